@@ -1,0 +1,102 @@
+#include "client/cli/report_table.h"
+
+#include <array>
+#include <cstdio>
+#include <map>
+#include <ostream>
+#include <string>
+
+namespace burnish::cli {
+namespace {
+
+/// Short text of a value: four significant digits.
+std::string text(double value) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.4g", value);
+  return buffer.data();
+}
+
+std::string text(const google::protobuf::Value& value) {
+  return value.kind_case() == google::protobuf::Value::kStringValue ? value.string_value()
+                                                                    : text(value.number_value());
+}
+
+void row(std::ostream& out, const std::string& label, const std::string& value) {
+  out << "  " << label << std::string(label.size() < 20 ? 20 - label.size() : 1, ' ') << value << "\n";
+}
+
+std::string counts(const v1::MeshSummary& mesh) {
+  return std::to_string(mesh.vertices()) + " vertices, " + std::to_string(mesh.triangles()) + " triangles, " +
+         std::to_string(mesh.boundary_edges()) + " boundary edges, " + std::to_string(mesh.components()) +
+         (mesh.components() == 1 ? " component" : " components");
+}
+
+std::string parameters(const v1::SmoothReport& report) {
+  std::map<std::string, std::string> sorted;
+  for (const auto& [name, value] : report.parameters()) sorted[name] = text(value);
+  std::string line;
+  for (const auto& [name, value] : sorted) line += (line.empty() ? "" : ", ") + name + " " + value;
+  return line;
+}
+
+std::string encoding(const v1::EncodingSummary& encoding) {
+  if (encoding.format() != v1::MESH_FORMAT_DRACO) return "obj";
+  const std::string method =
+      encoding.draco_method() == v1::DRACO_METHOD_EDGEBREAKER ? "edgebreaker" : "sequential";
+  const std::string bits =
+      encoding.position_bits() == 0 ? "lossless" : std::to_string(encoding.position_bits()) + " bits";
+  return "drc, " + method + ", positions " + bits + ", error up to " + text(encoding.quantisation_error());
+}
+
+void print_change(std::ostream& out, const v1::MeshChange& change) {
+  out << "change from the input\n";
+  row(out, "displacement",
+      "rms " + text(change.rms_displacement()) + ", largest " + text(change.max_displacement()));
+  row(out, "area", text(change.area_percent()) + " %");
+  row(out, "volume", text(change.volume_percent()) + " %");
+  row(out, "smallest angle",
+      text(change.smallest_angle_degrees_before()) + " -> " + text(change.smallest_angle_degrees_after()) +
+          " degrees");
+}
+
+void print_timings(std::ostream& out, const v1::StageTimings& timings) {
+  out << "time in ms\n";
+  row(out, "total", text(timings.total_ms()));
+  row(out, "stages",
+      "queue " + text(timings.queue_ms()) + ", decode " + text(timings.decode_ms()) + ", prepare " +
+          text(timings.prepare_ms()) + ", smooth " + text(timings.smooth_ms()) + ", measure " +
+          text(timings.measure_ms()) + ", encode " + text(timings.encode_ms()));
+}
+
+}  // namespace
+
+void print_errors(std::ostream& out, const v1::MeshErrors& errors) {
+  out << "errors against the " << errors.against() << "\n";
+  row(out, "Ev",
+      text(errors.ev()) + " = " + text(errors.ev_over_edge()) +
+          " mean edges = " + text(errors.ev_over_diagonal()) + " diagonals");
+  row(out, "distance",
+      "mean " + text(errors.mean_distance()) + ", rms " + text(errors.rms_distance()) + ", largest " +
+          text(errors.max_distance()));
+  if (!errors.has_mean_normal_degrees()) return;
+  row(out, "normals",
+      "mean " + text(errors.mean_normal_degrees()) + ", largest " + text(errors.max_normal_degrees()) +
+          " degrees, flipped triangles " + std::to_string(errors.flipped_triangles()));
+}
+
+void print_report(std::ostream& out, const v1::SmoothReport& report) {
+  out << report.method() << " (burnish " << report.version() << ", request " << report.request_id() << ")\n";
+  row(out, "parameters", parameters(report));
+  row(out, "input", counts(report.input()));
+  row(out, "output", counts(report.output()));
+  row(out, "written as", encoding(report.encoding()));
+  print_errors(out, report.errors());
+  print_change(out, report.change());
+  print_timings(out, report.timings());
+  if (report.warnings_size() > 0) out << "warnings\n";
+  for (const v1::ReportWarning& warning : report.warnings()) {
+    row(out, warning.code(), warning.message() + " (" + std::to_string(warning.count()) + ")");
+  }
+}
+
+}  // namespace burnish::cli

@@ -1,0 +1,133 @@
+// `noise` and `sample`: meshes to try the rest on.
+#include <map>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/files.h"
+#include "client/cli/mesh_files.h"
+#include "core/io/draco.h"
+#include "core/io/obj.h"
+#include "core/shape/noise.h"
+#include "core/shape/sample.h"
+
+namespace burnish::cli {
+namespace {
+
+struct NoiseArguments {
+  std::string in, out;
+  NoiseOptions noise;
+};
+
+struct SampleArguments {
+  std::string out;
+  unsigned resolution = kSampleResolution;
+  NoiseOptions noise{.amplitude = 0.3};
+};
+
+/// A surface with noise, and where it was before.
+struct NoisySurface {
+  Surface surface;
+  std::vector<Vec3f> before;
+
+  MovedPositions moved(std::span<const Vec3d> original) const {
+    return {original, surface.weld, before, surface.mesh.positions, surface.mesh.frame};
+  }
+};
+
+Result<NoisySurface> noisy_surface(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
+                                   const NoiseOptions& noise, const RunControl& run) {
+  Result<Surface> surface = prepare_surface(positions, triangles, run);
+  if (!surface) return surface.error();
+  NoisySurface noisy{std::move(*surface), {}};
+  noisy.before = noisy.surface.mesh.positions;
+  if (Result<> added = add_noise(noisy.surface, noise); !added) return added.error();
+  return noisy;
+}
+
+Result<> make_noisy(const NoiseArguments& arguments, const Console& console) {
+  const RunControl run{.stop = console.stop, .threads = 0};
+  if (Result<> writable = check_writable(arguments.out); !writable) return writable;
+  Result<std::string> bytes = read_file(arguments.in);
+  if (!bytes) return bytes.error();
+  Result<std::unique_ptr<Document>> document = decode(*bytes, std::nullopt, no_limits(), run);
+  if (!document) return document.error();
+  const std::span<const Vec3d> positions = (*document)->positions();
+  Result<NoisySurface> noisy = noisy_surface(positions, (*document)->triangles(), arguments.noise, run);
+  if (!noisy) return noisy.error();
+  Result<Encoded> file = encode(**document, noisy->moved(positions),
+                                {.format = format_of_name(arguments.out), .draco = {}}, run);
+  if (!file) return file.error();
+  return write_file(arguments.out, file->bytes);
+}
+
+Result<> make_sample_file(const SampleArguments& arguments, const Console& console) {
+  const RunControl run{.stop = console.stop, .threads = 0};
+  if (Result<> writable = check_writable(arguments.out); !writable) return writable;
+  Result<Shape> shape = make_sample(arguments.resolution);
+  if (!shape) return shape.error();
+  Result<NoisySurface> noisy = noisy_surface(shape->positions, shape->triangles, arguments.noise, run);
+  if (!noisy) return noisy.error();
+  const MovedPositions moved = noisy->moved(shape->positions);
+  Result<Encoded> file = format_of_name(arguments.out) == Format::Draco
+                             ? encode_as_draco(moved, shape->triangles, {}, {}, run)
+                             : encode_as_obj(moved, shape->triangles, {}, run);
+  if (!file) return file.error();
+  return write_file(arguments.out, file->bytes);
+}
+
+void add_noise_size(CLI::App* command, NoiseOptions& noise) {
+  command
+      ->add_option(
+          "--amplitude", noise.amplitude,
+          "Size in mean edge lengths: the standard deviation of gaussian, the bound of uniform and impulsive")
+      ->capture_default_str();
+  command->add_option("--seed", noise.seed, "The same seed gives the same bytes")->capture_default_str();
+}
+
+}  // namespace
+
+void add_noise_command(CLI::App& app, Command& chosen) {
+  static const std::map<std::string, NoiseKind> kKinds = {{"gaussian", NoiseKind::Gaussian},
+                                                          {"uniform", NoiseKind::Uniform},
+                                                          {"impulsive", NoiseKind::Impulsive}};
+  static const std::map<std::string, NoiseDirection> kDirections = {{"normal", NoiseDirection::Normal},
+                                                                    {"random", NoiseDirection::Random}};
+  auto arguments = std::make_shared<NoiseArguments>();
+  NoiseOptions& noise = arguments->noise;
+  CLI::App* command = app.add_subcommand("noise", "Add artificial scanner noise to a mesh");
+  command->add_option("IN", arguments->in, "Mesh file, OBJ or Draco")->required();
+  command->add_option("OUT", arguments->out, "File to write, in the format of its extension, else as IN")
+      ->required();
+  add_noise_size(command, noise);
+  command
+      ->add_option("--kind", noise.kind,
+                   "gaussian (default), uniform, or impulsive: uniform at some vertices")
+      ->transform(CLI::CheckedTransformer(kKinds, CLI::ignore_case).description("TEXT"));
+  command
+      ->add_option(
+          "--direction", noise.direction,
+          "normal (default): along the area-weighted vertex normal; random: each coordinate on its own")
+      ->transform(CLI::CheckedTransformer(kDirections, CLI::ignore_case).description("TEXT"));
+  command->add_option("--fraction", noise.fraction, "Part of the vertices that impulsive noise hits")
+      ->capture_default_str();
+  command->callback([&chosen, arguments] {
+    chosen = [arguments](const Console& console) { return make_noisy(*arguments, console); };
+  });
+}
+
+void add_sample_command(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<SampleArguments>();
+  CLI::App* command = app.add_subcommand("sample",
+                                         "Write a made-up scan: a cube with a dome, a bowl and pyramids, "
+                                         "under gaussian noise along its normals");
+  command->add_option("OUT", arguments->out, "File to write: .drc for Draco, else OBJ")->required();
+  add_noise_size(command, arguments->noise);
+  command->add_option("--resolution", arguments->resolution, "Cells per side, 4 to 1000; 12 N^2 triangles")
+      ->capture_default_str();
+  command->footer("With --amplitude 0 it is the noise-free reference, triangle for triangle.");
+  command->callback([&chosen, arguments] {
+    chosen = [arguments](const Console& console) { return make_sample_file(*arguments, console); };
+  });
+}
+
+}  // namespace burnish::cli

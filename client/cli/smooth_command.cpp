@@ -1,0 +1,249 @@
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+#include "client/cli/commands.h"
+#include "client/cli/files.h"
+#include "client/cli/mesh_files.h"
+#include "client/cli/method_help.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/report_table.h"
+#include "client/smoothing_client.h"
+#include "server/service/smooth_service.h"
+#include "server/status_map.h"
+
+namespace burnish::cli {
+namespace {
+
+struct SmoothArguments {
+  std::string in, out, reference, report, server, method;
+  bool local = false;
+  std::optional<std::uint32_t> iterations;
+  std::vector<std::string> assignments;  // name=value
+  unsigned threads = 0;
+  std::optional<double> timeout_seconds;
+  std::optional<v1::MeshFormat> output_format;
+  v1::DracoMethod draco_method = v1::DRACO_METHOD_UNSPECIFIED;
+  std::optional<std::uint32_t> position_bits, normal_bits, texture_coordinate_bits, color_bits, generic_bits,
+      speed;
+};
+
+/// The files that go in.
+struct Inputs {
+  std::string mesh, reference;
+};
+
+/// What comes out of either mode.
+struct Smoothed {
+  std::string mesh;
+  v1::SmoothReport report;
+};
+
+/// A number where the text is one, else a choice's name: the server that runs the method knows which it
+/// wants.
+google::protobuf::Value value_of(const std::string& text) {
+  google::protobuf::Value value;
+  double number = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, problem] = std::from_chars(text.data(), end, number);
+  if (problem == std::errc{} && stop == end && std::isfinite(number)) {
+    value.set_number_value(number);
+  } else {
+    value.set_string_value(text);
+  }
+  return value;
+}
+
+Result<> set_parameters(v1::SmoothOptions& options, const std::vector<std::string>& assignments) {
+  for (const std::string& assignment : assignments) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      return Error{Cause::BadOption, "--set takes name=value, not '" + assignment + "'", "set"};
+    }
+    const std::string name = assignment.substr(0, equals);
+    if (!options.mutable_parameters()->insert({name, value_of(assignment.substr(equals + 1))}).second) {
+      return Error{Cause::BadOption, "'" + name + "' is set twice", name};
+    }
+  }
+  return {};
+}
+
+v1::OutputOptions output_options(const SmoothArguments& arguments) {
+  v1::OutputOptions output;
+  const std::optional<Format> by_name = format_of_name(arguments.out);
+  output.set_format(
+      arguments.output_format.value_or(by_name ? to_proto(*by_name) : v1::MESH_FORMAT_UNSPECIFIED));
+  v1::DracoOptions draco;
+  draco.set_method(arguments.draco_method);
+  if (arguments.position_bits) draco.set_position_bits(*arguments.position_bits);
+  if (arguments.normal_bits) draco.set_normal_bits(*arguments.normal_bits);
+  if (arguments.texture_coordinate_bits)
+    draco.set_texture_coordinate_bits(*arguments.texture_coordinate_bits);
+  if (arguments.color_bits) draco.set_color_bits(*arguments.color_bits);
+  if (arguments.generic_bits) draco.set_generic_bits(*arguments.generic_bits);
+  if (arguments.speed) draco.set_speed(*arguments.speed);
+  if (draco.ByteSizeLong() > 0) *output.mutable_draco() = draco;
+  return output;
+}
+
+Result<v1::SmoothOptions> smooth_options(const SmoothArguments& arguments) {
+  v1::SmoothOptions options;
+  options.set_method(arguments.method);
+  if (arguments.iterations) options.set_iterations(*arguments.iterations);
+  if (Result<> set = set_parameters(options, arguments.assignments); !set) return set.error();
+  *options.mutable_output() = output_options(arguments);
+  return options;
+}
+
+std::optional<std::chrono::milliseconds> timeout_of(const SmoothArguments& arguments) {
+  if (!arguments.timeout_seconds) return std::nullopt;
+  return std::chrono::ceil<std::chrono::milliseconds>(
+      std::chrono::duration<double>(*arguments.timeout_seconds));
+}
+
+Result<Smoothed> smooth_here(const SmoothArguments& arguments, const Inputs& inputs,
+                             v1::SmoothOptions options, const Console& console) {
+  ProgressBar bar(console.err);
+  RunControl run{.stop = console.stop, .threads = arguments.threads};
+  if (const auto timeout = timeout_of(arguments)) run.deadline = RunControl::Clock::now() + *timeout;
+  if (console.err_is_terminal) run.progress = [&bar](double fraction) { bar.show(fraction); };
+  const SmoothJob job{.mesh = inputs.mesh,
+                      .reference = inputs.reference,
+                      .options = std::move(options),
+                      .request_id = "local"};
+  Result<SmoothResult> result = SmoothService(no_limits()).smooth(job, run);
+  if (!result) return result.error();
+  return Smoothed{std::move(result->mesh), std::move(result->report)};
+}
+
+Result<Smoothed> smooth_there(const SmoothArguments& arguments, Inputs inputs, v1::SmoothOptions options,
+                              const Console& console) {
+  v1::SmoothRequest request;
+  request.set_mesh(std::move(inputs.mesh));
+  request.set_reference(std::move(inputs.reference));
+  *request.mutable_options() = std::move(options);
+  const client::SmoothingClient server(arguments.server);
+  auto reply = server.smooth(request, {.timeout = timeout_of(arguments), .stop = console.stop});
+  if (!reply) {
+    const client::Error& error = reply.error();
+    return Error{cause_from_code(error.cause), error.message + " (server " + arguments.server + ")",
+                 error.field};
+  }
+  return Smoothed{std::move(*reply->mutable_mesh()), std::move(*reply->mutable_report())};
+}
+
+/// Everything that can be refused before long work starts, and the bytes to work on.
+Result<Inputs> read_inputs(const SmoothArguments& arguments) {
+  if (Result<> writable = check_writable(arguments.out); !writable) return writable.error();
+  if (!arguments.report.empty() && arguments.report != "-") {
+    if (Result<> writable = check_writable(arguments.report); !writable) return writable.error();
+  }
+  Inputs inputs;
+  Result<std::string> mesh = read_file(arguments.in);
+  if (!mesh) return mesh.error();
+  inputs.mesh = std::move(*mesh);
+  if (arguments.reference.empty()) return inputs;
+  Result<std::string> reference = read_file(arguments.reference);
+  if (!reference) return reference.error();
+  if (reference->empty())
+    return Error{Cause::EmptyMesh, "the reference '" + arguments.reference + "' is empty"};
+  inputs.reference = std::move(*reference);
+  return inputs;
+}
+
+Result<> write_results(const SmoothArguments& arguments, const Smoothed& smoothed, const Console& console) {
+  if (Result<> written = write_file(arguments.out, smoothed.mesh); !written) return written;
+  const std::string json = to_json(smoothed.report, false) + "\n";
+  if (arguments.report == "-") {
+    print_report(console.err, smoothed.report);
+    console.out << json;
+    return {};
+  }
+  print_report(console.out, smoothed.report);
+  return arguments.report.empty() ? Result<>() : write_file(arguments.report, json);
+}
+
+Result<> smooth(const SmoothArguments& arguments, const Console& console) {
+  Result<v1::SmoothOptions> options = smooth_options(arguments);
+  if (!options) return options.error();
+  Result<Inputs> inputs = read_inputs(arguments);
+  if (!inputs) return inputs.error();
+  Result<Smoothed> smoothed = arguments.server.empty()
+                                  ? smooth_here(arguments, *inputs, std::move(*options), console)
+                                  : smooth_there(arguments, std::move(*inputs), std::move(*options), console);
+  if (!smoothed) return smoothed.error();
+  return write_results(arguments, *smoothed, console);
+}
+
+void add_files(CLI::App* command, SmoothArguments& arguments) {
+  command->add_option("IN", arguments.in, "Mesh file, OBJ or Draco")->required();
+  command->add_option("OUT", arguments.out, "File to write; left as it was when anything fails")->required();
+  command->add_option("--reference", arguments.reference,
+                      "Measure the errors against this mesh, not against IN");
+  command->add_option(
+      "--report", arguments.report,
+      "Write the report as JSON to this file; - for standard output, the table then goes to stderr");
+}
+
+void add_method(CLI::App* command, SmoothArguments& arguments) {
+  command->add_option("--method", arguments.method, "Name of a method below");
+  command->add_option("--iterations", arguments.iterations, "Number of iterations");
+  command->add_option("--set", arguments.assignments, "name=value of a parameter below; may be repeated")
+      ->allow_extra_args(false);
+}
+
+void add_place(CLI::App* command, SmoothArguments& arguments) {
+  CLI::Option* server =
+      command->add_option("--server", arguments.server, "Let the burnishd at HOST:PORT (gRPC) do it");
+  command->add_flag("--local", arguments.local, "Do it in this process (default)")->excludes(server);
+  command->add_option("--threads", arguments.threads, "Threads of the local mode; 0 = all cores")
+      ->capture_default_str()
+      ->excludes(server);
+  command->add_option("--timeout", arguments.timeout_seconds, "Give up after this many seconds")
+      ->check(CLI::Range(0.001, 1e6));
+}
+
+void add_output(CLI::App* command, SmoothArguments& arguments) {
+  static const std::map<std::string, v1::MeshFormat> kFormats = {{"obj", v1::MESH_FORMAT_OBJ},
+                                                                 {"drc", v1::MESH_FORMAT_DRACO}};
+  static const std::map<std::string, v1::DracoMethod> kMethods = {
+      {"sequential", v1::DRACO_METHOD_SEQUENTIAL}, {"edgebreaker", v1::DRACO_METHOD_EDGEBREAKER}};
+  command
+      ->add_option("--output-format", arguments.output_format,
+                   "obj or drc; default: OUT's extension, else as IN")
+      ->transform(CLI::CheckedTransformer(kFormats, CLI::ignore_case).description("TEXT"));
+  command
+      ->add_option("--draco-method", arguments.draco_method,
+                   "sequential (keeps the order) or edgebreaker (smaller); default: as IN, else sequential")
+      ->transform(CLI::CheckedTransformer(kMethods, CLI::ignore_case).description("TEXT"));
+  const std::string bits = ", 0 = lossless; default: as IN, else lossless";
+  command->add_option("--position-bits", arguments.position_bits, "Draco: bits per coordinate" + bits);
+  command->add_option("--normal-bits", arguments.normal_bits, "Draco: bits per normal" + bits);
+  command->add_option("--texture-coordinate-bits", arguments.texture_coordinate_bits,
+                      "Draco: bits per texture coordinate" + bits);
+  command->add_option("--color-bits", arguments.color_bits, "Draco: bits per float colour component" + bits);
+  command->add_option("--generic-bits", arguments.generic_bits,
+                      "Draco: bits of other float attributes" + bits);
+  command->add_option("--speed", arguments.speed, "Draco: 0 (smallest) to 10 (fastest); default 5");
+}
+
+}  // namespace
+
+void add_smooth_command(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<SmoothArguments>();
+  CLI::App* command = app.add_subcommand("smooth", "Smooth a mesh and report what changed");
+  add_files(command, *arguments);
+  add_method(command, *arguments);
+  add_place(command, *arguments);
+  add_output(command, *arguments);
+  command->footer([] { return "Methods and their parameters (--set):\n" + method_help(); });
+  command->callback([&chosen, arguments] {
+    chosen = [arguments](const Console& console) { return smooth(*arguments, console); };
+  });
+}
+
+}  // namespace burnish::cli

@@ -1,0 +1,113 @@
+// Bytes to Document to bytes. A Document remembers everything about the file that it came from, so that
+// writing it back changes moved positions and recomputed normals only.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/mesh/surface.h"
+
+namespace burnish {
+
+enum class Format : std::uint8_t { Obj, Draco };
+std::string_view format_name(Format format);  ///< "obj", "drc"
+
+enum class DracoMethod : std::uint8_t { Sequential, Edgebreaker };
+
+/// How to write Draco. Unset means: as in the input; for an OBJ input sequential, lossless, speed 5.
+struct DracoOptions {
+  std::optional<DracoMethod> method = {};
+  /// Bits per component, 1 to 30; 0 = lossless floats. Normals: octahedral, 2 to 30 or 0.
+  std::optional<int> position_bits = {}, normal_bits = {}, texture_coordinate_bits = {}, color_bits = {},
+                     generic_bits = {};
+  std::optional<int> speed = {};  ///< 0 (smallest) to 10 (fastest), for encoding and decoding
+};
+
+struct OutputOptions {
+  std::optional<Format> format = {};  ///< unset: the input's
+  DracoOptions draco = {};
+};
+
+/// Values per corner or per vertex of a mesh, for carrying them into another format.
+struct MeshAttribute {
+  int components = 0;
+  std::vector<float> values;      ///< components per row
+  std::vector<Triangle> corners;  ///< row of each triangle corner; kNone where the file gives none
+};
+
+/// The attributes that OBJ and Draco both know.
+struct SharedAttributes {
+  std::optional<MeshAttribute> normals;              ///< 3 components
+  std::optional<MeshAttribute> texture_coordinates;  ///< 2 components
+  std::vector<float> colors;                         ///< r, g, b in [0, 1] per file vertex; empty when none
+  std::vector<std::string> dropped;                  ///< what else the file holds and the other format cannot
+};
+
+struct Limits {
+  std::uint64_t max_bytes = std::uint64_t{64} << 20;
+  std::uint64_t max_vertices = 100'000'000;
+  std::uint64_t max_triangles = 200'000'000;
+};
+
+/// The written file and how true it is.
+struct Encoded {
+  std::string bytes;
+  Format format = Format::Obj;
+  std::optional<DracoMethod> draco_method;
+  int position_bits = 0;  ///< 0 = lossless
+  double quantisation_error =
+      0;  ///< largest distance between a smoothed position and the one written, file unit
+  /// Counts in the written file, where they can differ from the document's (seam copies, Edgebreaker).
+  std::optional<std::uint32_t> vertices, triangles;
+  std::vector<Warning> warnings;
+};
+
+/// A decoded file. Immutable; safe to read from many threads.
+class Document {
+ public:
+  virtual ~Document() = default;
+
+  Format format() const { return format_; }
+  std::span<const Vec3d> positions() const { return positions_; }     ///< file order, file unit
+  std::span<const Triangle> triangles() const { return triangles_; }  ///< polygons as fans, file order
+
+  virtual std::string vertex_place(Index vertex) const = 0;      ///< "vertex 12 (line 40)"
+  virtual std::string triangle_place(Index triangle) const = 0;  ///< "triangle 812 (line 10321)"
+
+  /// Writes the same format back. `options.format` is ignored.
+  virtual Result<Encoded> encode_same(const MovedPositions& moved, const OutputOptions& options,
+                                      const RunControl& run) const = 0;
+  /// What can be carried into another format, with normals recomputed for the moved positions.
+  virtual Result<SharedAttributes> shared_attributes(const MovedPositions& moved,
+                                                     const RunControl& run) const = 0;
+
+ protected:
+  explicit Document(Format format) : format_(format) {}
+  Document(const Document&) = delete;
+  Document& operator=(const Document&) = delete;
+
+  Format format_;
+  std::vector<Vec3d> positions_;
+  std::vector<Triangle> triangles_;
+};
+
+/// Tells the format by content ("DRACO" magic, else OBJ when it looks like text); nothing when it is neither.
+std::optional<Format> detect_format(std::string_view bytes);
+
+/// Decodes and checks. `bytes` must stay alive and unchanged as long as the Document. `format` unset:
+/// detected. Errors: UnsupportedFormat, MalformedMesh, IndexOutOfRange, NonFinitePosition, EmptyMesh,
+/// NotATriangleMesh, TooLarge, OutOfMemory, Cancelled, DeadlineExceeded.
+Result<std::unique_ptr<Document>> decode(std::string_view bytes, std::optional<Format> format,
+                                         const Limits& limits, const RunControl& run);
+
+/// Writes a document with moved positions, in its own format or another.
+/// Errors: CannotEncode, Cancelled, DeadlineExceeded, OutOfMemory.
+Result<Encoded> encode(const Document& document, const MovedPositions& moved, const OutputOptions& options,
+                       const RunControl& run);
+
+}  // namespace burnish

@@ -1,0 +1,19 @@
+// Wavefront OBJ. Reads `v`, `vt`, `vn` and `f`; carries every other line through untouched.
+// Grammar: Appendix B1 of the Wavefront Advanced Visualizer manual; line continuations, negative indices,
+// polygons and the common extension of colours after the coordinates (`v x y z r g b`) are understood.
+#pragma once
+
+#include "core/io/codec.h"
+
+namespace burnish {
+
+/// Errors: MalformedMesh, IndexOutOfRange, NonFinitePosition, EmptyMesh, TooLarge, Cancelled,
+/// DeadlineExceeded; each names the line. `bytes` must outlive the Document.
+Result<std::unique_ptr<Document>> decode_obj(std::string_view bytes, const Limits& limits,
+                                             const RunControl& run);
+
+/// Writes any mesh as a new OBJ: `v` (with colours), `vt`, `vn`, `f`, in the order of the file it came from.
+Result<Encoded> encode_as_obj(const MovedPositions& moved, std::span<const Triangle> triangles,
+                              const SharedAttributes& attributes, const RunControl& run);
+
+}  // namespace burnish

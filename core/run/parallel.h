@@ -1,0 +1,48 @@
+// Core's only threads: loops over fixed blocks in a oneTBB arena. Blocks have the same bounds whatever the
+// number of threads, so sums over them come out the same to the last bit.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+
+#include "core/run/run_control.h"
+
+namespace burnish {
+
+/// Items per block: small enough that a stop is seen within a millisecond, large enough to hide the dispatch.
+inline constexpr std::size_t kBlockSize = 2048;
+
+namespace detail {
+using BlockFunction = void (*)(void* context, std::size_t block, std::size_t begin, std::size_t end);
+bool run_blocks(std::size_t count, const RunControl& run, BlockFunction function, void* context);
+double sum_blocks(std::size_t count, const RunControl& run,
+                  double (*function)(void*, std::size_t, std::size_t), void* context);
+}  // namespace detail
+
+/// Calls body(begin, end) for every block of [0, count), on run.threads threads. False when stopped half-way.
+template <class Body>
+bool parallel_for(std::size_t count, const RunControl& run, Body&& body) {
+  using Plain = std::remove_reference_t<Body>;
+  return detail::run_blocks(
+      count, run,
+      [](void* context, std::size_t, std::size_t begin, std::size_t end) {
+        (*static_cast<Plain*>(context))(begin, end);
+      },
+      const_cast<void*>(static_cast<const void*>(std::addressof(body))));
+}
+
+/// Sum over all blocks of body(begin, end) in double, added in the order of the blocks. When stopped, the
+/// value means nothing: ask run.stopped().
+template <class Body>
+double parallel_sum(std::size_t count, const RunControl& run, Body&& body) {
+  using Plain = std::remove_reference_t<Body>;
+  return detail::sum_blocks(
+      count, run,
+      [](void* context, std::size_t begin, std::size_t end) -> double {
+        return (*static_cast<Plain*>(context))(begin, end);
+      },
+      const_cast<void*>(static_cast<const void*>(std::addressof(body))));
+}
+
+}  // namespace burnish

@@ -1,0 +1,99 @@
+#include "core/smooth/mean_curvature_flow.h"
+
+#include <algorithm>
+
+#include "core/run/parallel.h"
+#include "core/smooth/parameters.h"
+
+namespace burnish {
+namespace {
+
+/// Per triangle: the clamped cotangents at its corners, halved, and its area.
+struct FaceWeights {
+  float half_cotangent[3];
+  float area;
+};
+
+FaceWeights face_weights(const Triangle& t, std::span<const Vec3f> positions, float largest) {
+  FaceWeights weights{};
+  const Vec3f p[3] = {positions[t[0]], positions[t[1]], positions[t[2]]};
+  const float twice_area = length(cross(p[1] - p[0], p[2] - p[0]));
+  weights.area = twice_area * 0.5F;
+  if (twice_area == 0) return weights;  // no direction to flow in
+  for (int c = 0; c < 3; ++c) {
+    const float cotangent = dot(p[(c + 1) % 3] - p[c], p[(c + 2) % 3] - p[c]) / twice_area;
+    weights.half_cotangent[c] = 0.5F * std::clamp(cotangent, 0.0F, largest);
+  }
+  return weights;
+}
+
+int corner_of(const Triangle& t, std::size_t vertex) { return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2; }
+
+Vec3f flow_step(const Surface& surface, std::span<const FaceWeights> weights, std::span<const Vec3f> from,
+                std::size_t vertex, float time_step) {
+  Vec3f pull;
+  float total = 0, mass = 0;
+  for (const Index f : surface.topology.vertex_faces[vertex]) {
+    const Triangle& t = surface.mesh.triangles[f];
+    const FaceWeights& w = weights[f];
+    const int c = corner_of(t, vertex), next = (c + 1) % 3, last = (c + 2) % 3;
+    // The edge to `next` is opposite the corner `last`, and the other way round.
+    pull += (from[t[next]] - from[vertex]) * w.half_cotangent[last];
+    pull += (from[t[last]] - from[vertex]) * w.half_cotangent[next];
+    total += w.half_cotangent[last] + w.half_cotangent[next];
+    mass += w.area;
+  }
+  if (!(total > 0)) return from[vertex];
+  const float share = std::min(1.0F, 3.0F * time_step * total / mass);
+  return from[vertex] + pull * (share / total);
+}
+
+}  // namespace
+
+Result<SmoothOutcome> smooth_mean_curvature_flow(Surface& surface, const MeanCurvatureFlowParams& params,
+                                                 const IterationOptions& options, const RunControl& run) {
+  const auto movable = movable_vertices(surface.topology, options.boundary);
+  const float time_step = static_cast<float>(params.time_step * surface.mean_edge * surface.mean_edge);
+  const float largest = static_cast<float>(params.largest_cotangent);
+  std::vector<FaceWeights> weights(surface.mesh.triangles.size());
+  return iterate(surface, movable, options, run, [&](std::span<const Vec3f> from, std::span<Vec3f> to) {
+    return parallel_for(weights.size(), run,
+                        [&](std::size_t begin, std::size_t end) {
+                          for (std::size_t f = begin; f < end; ++f) {
+                            weights[f] = face_weights(surface.mesh.triangles[f], from, largest);
+                          }
+                        }) &&
+           parallel_for(from.size(), run, [&](std::size_t begin, std::size_t end) {
+             for (std::size_t v = begin; v < end; ++v) {
+               if (movable[v]) to[v] = flow_step(surface, weights, from, v, time_step);
+             }
+           });
+  });
+}
+
+Method mean_curvature_flow_method() {
+  constexpr MeanCurvatureFlowParams kDefaults;
+  return {.name = "mean_curvature_flow",
+          .summary = "Moves every vertex along its mean curvature normal in explicit time steps.",
+          .reference =
+              "M. Desbrun, M. Meyer, P. Schroeder, A. H. Barr, Implicit fairing of irregular meshes using "
+              "diffusion and curvature flow, SIGGRAPH 1999, 317-324",
+          .formula =
+              "v' = v + dt/M(v) sum over neighbours w of (cot a + cot b)/2 (w - v),  M(v) = a third of the "
+              "area at v",
+          .parameters = with_iteration_parameters(
+              {number_parameter("time_step", kDefaults.time_step, 0, 10, "squared mean edge lengths",
+                                "Time per iteration; a step that would overshoot is shortened."),
+               number_parameter("largest_cotangent", kDefaults.largest_cotangent, 0.01, 1000, "1",
+                                "Cotangents are clamped to [0, this]: slivers have huge ones and obtuse "
+                                "triangles negative ones, and "
+                                "both make the flow diverge on noise.")}),
+          .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
+            return smooth_mean_curvature_flow(surface,
+                                              {.time_step = values.number("time_step"),
+                                               .largest_cotangent = values.number("largest_cotangent")},
+                                              iteration_options(values, surface), run);
+          }};
+}
+
+}  // namespace burnish

@@ -1,0 +1,27 @@
+// The umbrella operator [10] with equal weights, shared by the filters that are built from it.
+//
+// [10] L. Kobbelt, S. Campagna, J. Vorsatz, H.-P. Seidel, Interactive multi-resolution modeling on arbitrary
+// meshes,
+//      SIGGRAPH 1998, 105-114.
+#pragma once
+
+#include "core/mesh/surface.h"
+
+namespace burnish {
+
+/// U(v) (Eq. 3, w = 1): mean of the neighbours minus v; zero for an isolated vertex.
+inline Vec3f umbrella(std::span<const Vec3f> positions, const Topology& topology, std::size_t vertex) {
+  const auto neighbours = topology.vertex_neighbours[vertex];
+  if (neighbours.empty()) return {};
+  Vec3f sum;
+  for (const Index w : neighbours) sum += positions[w] - positions[vertex];
+  return sum * (1.0F / static_cast<float>(neighbours.size()));
+}
+
+/// One step v' = v + factor U(v) for every movable vertex; a boundary vertex is averaged with its two
+/// neighbours along the boundary only. Reads the topology and triangles of `surface`, not its positions.
+/// False when stopped.
+bool umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
+                   std::span<const Vec3f> from, std::span<Vec3f> to, const RunControl& run);
+
+}  // namespace burnish

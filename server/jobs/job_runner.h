@@ -1,0 +1,92 @@
+// The bounded queue and the worker pool, apart from both transports' threads.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "core/run/run_control.h"
+
+namespace burnish {
+
+/// What a job is while it waits and runs. `run` is called once on a worker; `refuse` instead of it when the
+/// job is cancelled, its deadline passes or the grace period ends before a worker takes it. Exactly one of
+/// the two is called.
+struct JobWork {
+  std::function<void(const RunControl& run, double queue_ms)> run;
+  std::function<void(const Error& error)> refuse;
+};
+
+class JobRunner;
+
+/// Stops one job; thread-safe and safe to repeat. A queued job is refused with Cancelled at once, on the
+/// calling thread; a running one sees its stop token.
+class JobHandle {
+ public:
+  void cancel();
+
+ private:
+  friend class JobRunner;
+  struct Job;
+  JobHandle(std::shared_ptr<Job> job, JobRunner* runner) : job_(std::move(job)), runner_(runner) {}
+  std::shared_ptr<Job> job_;
+  JobRunner* runner_;
+};
+
+struct JobRunnerOptions {
+  unsigned workers = 0;    ///< jobs that run at once; 0 = one per core
+  std::size_t queue = 64;  ///< jobs that may wait; more are refused at once
+  unsigned threads = 0;    ///< cores that one job may use when it is alone; 0 = all
+};
+
+/// One job runs on one core while others wait or run; a job that starts alone uses every core.
+class JobRunner {
+ public:
+  explicit JobRunner(const JobRunnerOptions& options);
+  ~JobRunner();  ///< drain(zero)
+  JobRunner(const JobRunner&) = delete;
+  JobRunner& operator=(const JobRunner&) = delete;
+
+  /// Queues a job. Errors: QueueFull, ShuttingDown; then neither function of `work` is called.
+  Result<JobHandle> submit(JobWork work, std::optional<RunControl::Clock::time_point> deadline);
+
+  /// Refuses new jobs, lets accepted ones finish for up to `grace`, then refuses those that wait
+  /// (ShuttingDown), trips the stop token of those that run, and joins the workers. Safe to repeat.
+  void drain(std::chrono::milliseconds grace);
+
+  std::size_t queued() const;
+  std::size_t running() const;
+
+ private:
+  using Clock = RunControl::Clock;
+  using JobPtr = std::shared_ptr<JobHandle::Job>;
+  friend class JobHandle;
+
+  void work();
+  void run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job);
+  void watch_deadlines();
+  void cancel(const JobPtr& job);
+  void refuse(std::unique_lock<std::mutex>& lock, std::vector<JobPtr> jobs, const Error& error);
+  void wait_for_jobs(std::unique_lock<std::mutex>& lock);
+
+  const JobRunnerOptions options_;  ///< workers resolved to at least one
+  mutable std::mutex mutex_;        ///< guards everything below and the state of every Job
+  std::condition_variable job_waits_, queue_changed_, job_ended_;
+  std::deque<JobPtr> queue_;
+  std::vector<JobPtr> running_;
+  std::size_t pending_ = 0;                       ///< accepted jobs whose callback has not returned yet
+  std::optional<Clock::time_point> drain_until_;  ///< set: no new jobs
+  bool stopping_ = false;                         ///< threads leave
+  std::mutex join_mutex_;                         ///< one drain() joins, others wait for it
+  std::vector<std::jthread> threads_;             ///< last: they use all of the above
+};
+
+}  // namespace burnish

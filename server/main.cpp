@@ -1,0 +1,60 @@
+// burnishd: flags, signals, wiring.
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <thread>
+
+#include <spdlog/spdlog.h>
+
+#include "server/config.h"
+#include "server/observe/log.h"
+#include "server/server.h"
+#include "server/status_map.h"
+
+namespace {
+
+/// Blocked before any thread starts, so that every thread inherits it and only main() takes signals.
+sigset_t block_stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+/// Drains; one more signal cuts the grace period short.
+void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
+  std::atomic<bool> stopped = false;
+  const std::jthread draining([&] {
+    server.stop(grace);
+    stopped = true;
+  });
+  const timespec tick{.tv_sec = 0, .tv_nsec = 20'000'000};
+  while (!stopped) {
+    if (sigtimedwait(&signals, nullptr, &tick) > 0) server.stop(std::chrono::seconds::zero());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const sigset_t signals = block_stop_signals();
+  const auto parsed = burnish::parse_config(argc, argv);
+  if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
+  const auto& config = std::get<burnish::Config>(parsed);
+  burnish::set_up_log(config.log_level);
+
+  const auto server = burnish::Server::start(config);
+  if (!server) {
+    std::fprintf(stderr, "burnishd: %s\n", server.error().message.c_str());
+    return burnish::status_of(server.error().cause).exit_code;
+  }
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("signal {}: stopping within {} s", signal, config.grace.count());
+  stop(*server.value(), config.grace, signals);
+  return 0;
+}

@@ -1,0 +1,22 @@
+// From the contract's options to what core takes.
+#pragma once
+
+#include "burnish/v1/smoothing.pb.h"
+#include "core/io/codec.h"
+#include "core/smooth/registry.h"
+
+namespace burnish {
+
+struct ResolvedOptions {
+  const Method* method = nullptr;
+  ParameterValues parameters;  ///< every one of the method's, in range
+  OutputOptions output;
+};
+
+/// Errors: UnknownMethod, UnknownOption, BadOption; Error::field names the option ("lambda",
+/// "output.draco.position_bits").
+Result<ResolvedOptions> resolve_options(const v1::SmoothOptions& options);
+
+google::protobuf::Value to_proto(const ParameterValue& value);
+
+}  // namespace burnish

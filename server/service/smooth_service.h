@@ -1,0 +1,68 @@
+// The use case, without transport: bytes and options in, bytes and report out. gRPC, HTTP and the command
+// line's local mode all call this, so their results are the same bytes.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "burnish/v1/smoothing.pb.h"
+#include "core/io/codec.h"
+#include "core/run/run_control.h"
+
+namespace burnish {
+
+/// One job. The views must stay alive until smooth() returns.
+struct SmoothJob {
+  std::string_view mesh;
+  std::optional<Format> format = {};
+  std::string_view reference = {};  ///< empty: measure against the input
+  std::optional<Format> reference_format = {};
+  v1::SmoothOptions options = {};
+  std::string request_id = {};
+  double queue_ms = 0;  ///< time spent waiting, for the report
+};
+
+struct SmoothResult {
+  std::string mesh;
+  Format format = Format::Obj;
+  v1::SmoothReport report;
+};
+
+/// Stateless; safe to call from many threads at once.
+class SmoothService {
+ public:
+  explicit SmoothService(Limits limits = {}) : limits_(limits) {}
+
+  /// Checks what can be checked without decoding: sizes, method, parameters, output options. Cheap, so
+  /// transports call it before they queue. Errors: TooLarge, EmptyMesh, UnknownMethod, UnknownOption,
+  /// BadOption.
+  Result<> check(const SmoothJob& job) const;
+
+  /// Decodes, prepares, smooths, measures, encodes; every stage timed and stoppable. Never throws.
+  /// Errors: those of check(), decode(), encode(), and Cancelled, DeadlineExceeded, OutOfMemory, Internal.
+  Result<SmoothResult> smooth(const SmoothJob& job, const RunControl& run) const;
+
+  const Limits& limits() const { return limits_; }
+
+ private:
+  Limits limits_;
+};
+
+/// "0.1.0"
+std::string_view version();
+
+v1::ListMethodsResponse list_methods();
+
+/// Protobuf JSON with zeros printed; `compact` on one line.
+std::string to_json(const google::protobuf::Message& message, bool compact);
+
+/// Sets one parameter from text ("lambda", "0.5"), as query strings and --set give it. "iterations" too.
+/// Errors: UnknownMethod, UnknownOption, BadOption.
+Result<> set_parameter_from_text(v1::SmoothOptions& options, std::string_view name, std::string_view text);
+
+v1::MeshFormat to_proto(Format format);
+/// Unspecified gives nullopt.
+std::optional<Format> from_proto(v1::MeshFormat format);
+
+}  // namespace burnish

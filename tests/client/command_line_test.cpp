@@ -1,0 +1,180 @@
+#include "client/cli/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <vector>
+
+#include "core/smooth/registry.h"
+#include "tests/client/temporary_folder.h"
+
+namespace burnish::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+struct Outcome {
+  int code;
+  std::string out, err;
+};
+
+Outcome burnish(std::vector<std::string> arguments, std::stop_token stop = {}) {
+  std::vector<const char*> argv = {"burnish"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  std::ostringstream out, err;
+  const int code = run_command_line(static_cast<int>(argv.size()), argv.data(), {out, err, false, stop});
+  return {code, out.str(), err.str()};
+}
+
+nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text, nullptr, false); }
+
+/// A folder with a small noisy sample and its reference.
+class CommandLine : public testing::Test {
+ protected:
+  CommandLine() {
+    EXPECT_EQ(burnish({"sample", noisy, "--resolution", "12"}).code, 0);
+    EXPECT_EQ(burnish({"sample", clean, "--resolution", "12", "--amplitude", "0"}).code, 0);
+  }
+  TemporaryFolder folder;
+  std::string noisy = folder / "noisy.obj", clean = folder / "clean.obj", smooth = folder / "smooth.obj";
+};
+
+TEST_F(CommandLine, SmoothsTheSampleTowardsItsReference) {
+  const Outcome done =
+      burnish({"smooth", noisy, smooth, "--reference", clean, "--report", folder / "r.json"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("errors against the reference"));
+  const auto before = json_of(burnish({"compare", clean, noisy, "--json"}).out);
+  const auto after = json_of(burnish({"compare", clean, smooth, "--json"}).out);
+  EXPECT_LT(after["ev"].get<double>(), before["ev"].get<double>());
+  EXPECT_NEAR(json_of(folder.read("r.json"))["errors"]["ev"].get<double>(), after["ev"].get<double>(),
+              1e-3 * after["ev"].get<double>());
+}
+
+TEST_F(CommandLine, PrintsOnlyJsonWhenTheReportGoesToStandardOutput) {
+  const Outcome done = burnish({"smooth", noisy, smooth, "--report", "-"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(json_of(done.out)["method"], methods().front().name);
+  EXPECT_THAT(done.err, HasSubstr("errors against the input"));
+}
+
+TEST_F(CommandLine, TakesParametersByName) {
+  const Outcome done = burnish({"smooth", noisy, smooth, "--method", "taubin", "--iterations", "3", "--set",
+                                "boundary=free", "--set", "lambda=0.25", "--report", "-"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto parameters = json_of(done.out)["parameters"];
+  EXPECT_EQ(parameters["iterations"], 3);
+  EXPECT_EQ(parameters["boundary"], "free");
+  EXPECT_EQ(parameters["lambda"], 0.25);
+}
+
+TEST_F(CommandLine, WritesTheFormatOfTheName) {
+  const std::string drc = folder / "smooth.drc";
+  ASSERT_EQ(burnish({"smooth", noisy, drc, "--position-bits", "14"}).code, 0);
+  EXPECT_THAT(folder.read("smooth.drc"), StartsWith("DRACO"));
+  ASSERT_EQ(burnish({"smooth", drc, smooth, "--output-format", "drc"}).code, 0);
+  EXPECT_THAT(folder.read("smooth.obj"), StartsWith("DRACO"));
+}
+
+TEST_F(CommandLine, GivesTheSameNoiseForASeed) {
+  const auto noise = [&](const std::string& name, const std::string& seed) {
+    const Outcome done = burnish({"noise", clean, folder / name, "--amplitude", "0.4", "--kind", "uniform",
+                                  "--direction", "random", "--seed", seed});
+    EXPECT_EQ(done.code, 0) << done.err;
+    return folder.read(name);
+  };
+  EXPECT_EQ(noise("a.obj", "5"), noise("b.obj", "5"));
+  EXPECT_NE(noise("a.obj", "5"), noise("b.obj", "6"));
+}
+
+TEST_F(CommandLine, ExitsByCause) {
+  const std::string bad = folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  struct Row {
+    std::vector<std::string> arguments;
+    int code;
+    const char* start;
+  };
+  const Row rows[] = {
+      {{}, 2, "burnish: bad_option: "},
+      {{"polish"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--iterations", "many"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--server", "h:1", "--local"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--method", "sanding"}, 2, "burnish: unknown_method: "},
+      {{"smooth", noisy, smooth, "--set", "colour=3"}, 2, "burnish: unknown_option: "},
+      {{"smooth", noisy, smooth, "--set", "lambda"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--set", "boundary=3", "--set", "boundary=free"},
+       2,
+       "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--set", "boundary=open"}, 2, "burnish: bad_option: "},
+      {{"noise", noisy, smooth, "--kind", "pink"}, 2, "burnish: bad_option: "},
+      {{"noise", noisy, smooth, "--amplitude", "1000"}, 2, "burnish: bad_option: "},
+      {{"sample", smooth, "--resolution", "2"}, 2, "burnish: bad_option: "},
+      {{"smooth", bad, smooth}, 3, "burnish: index_out_of_range: "},
+      {{"noise", bad, smooth}, 3, "burnish: index_out_of_range: "},
+      {{"compare", bad, noisy}, 3, "burnish: index_out_of_range: "},
+      {{"smooth", noisy, smooth, "--reference", folder.write("none.obj", "")}, 3, "burnish: empty_mesh: "},
+      {{"smooth", noisy, smooth, "--server", "127.0.0.1:1"}, 5, "burnish: unreachable: "},
+      {{"smooth", folder / "missing.obj", smooth}, 6, "burnish: file_error: "},
+      {{"smooth", noisy, folder / "no/where.obj"}, 6, "burnish: file_error: "},
+      {{"smooth", noisy, smooth, "--report", folder / "no/where.json"}, 6, "burnish: file_error: "},
+  };
+  for (const Row& row : rows) {
+    const Outcome done = burnish(row.arguments);
+    const std::string call = testing::PrintToString(row.arguments);
+    EXPECT_EQ(done.code, row.code) << call << done.err;
+    EXPECT_THAT(done.err, StartsWith(row.start)) << call;
+    EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << call << done.err;
+    EXPECT_EQ(done.out, "") << call;
+    EXPECT_FALSE(std::filesystem::exists(smooth)) << call;
+  }
+}
+
+TEST_F(CommandLine, LeavesTheOldFileWhenItFails) {
+  folder.write("smooth.obj", "old");
+  std::stop_source stop;
+  stop.request_stop();
+  const Outcome stopped = burnish({"smooth", noisy, smooth}, stop.get_token());
+  EXPECT_EQ(stopped.code, 4);
+  EXPECT_THAT(stopped.err, StartsWith("burnish: cancelled: "));
+  EXPECT_EQ(folder.read("smooth.obj"), "old");
+  EXPECT_EQ(folder.entries(), 3u);
+}
+
+TEST_F(CommandLine, GivesUpAtItsTimeout) {
+  const Outcome late = burnish({"smooth", noisy, smooth, "--iterations", "100000", "--timeout", "0.05"});
+  EXPECT_EQ(late.code, 4);
+  EXPECT_THAT(late.err, StartsWith("burnish: deadline_exceeded: "));
+}
+
+TEST(CommandLineHelp, ListsEveryMethodAndParameter) {
+  const std::string help = burnish({"smooth", "--help"}).out;
+  const std::string list = burnish({"methods"}).out;
+  for (const Method& method : methods()) {
+    EXPECT_THAT(help, HasSubstr("\n" + method.name));
+    EXPECT_THAT(list, HasSubstr(method.reference));
+    for (const ParameterSpec& spec : method.parameters) {
+      EXPECT_THAT(help, HasSubstr(spec.name + "="));
+      EXPECT_THAT(list, HasSubstr(spec.text));
+    }
+  }
+}
+
+TEST(CommandLineHelp, ListsMethodsAsJsonAndMarkdown) {
+  const auto list = json_of(burnish({"methods", "--json"}).out)["methods"];
+  ASSERT_EQ(list.size(), methods().size());
+  EXPECT_EQ(list[0]["name"], methods().front().name);
+  EXPECT_EQ(burnish({"methods", "--markdown"}).out, methods_markdown());
+}
+
+TEST(CommandLineHelp, TellsItsVersion) {
+  const Outcome done = burnish({"--version"});
+  EXPECT_EQ(done.code, 0);
+  EXPECT_THAT(done.out, StartsWith("burnish "));
+}
+
+}  // namespace
+}  // namespace burnish::cli

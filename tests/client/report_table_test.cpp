@@ -1,0 +1,76 @@
+#include "client/cli/report_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "client/cli/progress_bar.h"
+
+namespace burnish::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string table_of(const v1::SmoothReport& report) {
+  std::ostringstream out;
+  print_report(out, report);
+  return out.str();
+}
+
+v1::SmoothReport sample_report() {
+  v1::SmoothReport report;
+  report.set_method("taubin");
+  (*report.mutable_parameters())["lambda"].set_number_value(0.5);
+  (*report.mutable_parameters())["boundary"].set_string_value("fixed");
+  report.mutable_errors()->set_against("reference");
+  report.mutable_errors()->set_ev_over_edge(0.1034);
+  report.mutable_input()->set_vertices(6475);
+  return report;
+}
+
+TEST(PrintReport, ShowsWhatWasMeasured) {
+  const std::string table = table_of(sample_report());
+  EXPECT_THAT(table, HasSubstr("taubin"));
+  EXPECT_THAT(table, HasSubstr("boundary fixed, lambda 0.5"));
+  EXPECT_THAT(table, HasSubstr("errors against the reference"));
+  EXPECT_THAT(table, HasSubstr("0.1034 mean edges"));
+  EXPECT_THAT(table, HasSubstr("6475 vertices"));
+}
+
+TEST(PrintReport, LeavesOutWhatWasNot) {
+  EXPECT_THAT(table_of(sample_report()), Not(HasSubstr("normals")));
+  EXPECT_THAT(table_of(sample_report()), Not(HasSubstr("warnings")));
+}
+
+TEST(PrintReport, ShowsEveryWarning) {
+  v1::SmoothReport report = sample_report();
+  v1::ReportWarning* warning = report.add_warnings();
+  warning->set_code("boundary");
+  warning->set_message("the mesh is open at vertex 3");
+  warning->set_count(12);
+  EXPECT_THAT(table_of(report), HasSubstr("the mesh is open at vertex 3 (12)"));
+}
+
+TEST(ProgressBar, DrawsEachPercentOnceAndWipesItself) {
+  std::ostringstream terminal;
+  {
+    ProgressBar bar(terminal);
+    for (int i = 0; i <= 500; ++i) bar.show(i / 1000.0);
+    EXPECT_THAT(terminal.str(), HasSubstr("50%"));
+    EXPECT_LT(terminal.str().size(), 60u * 51);
+    bar.show(2);
+    EXPECT_THAT(terminal.str(), HasSubstr("100%"));
+  }
+  EXPECT_THAT(terminal.str(), testing::EndsWith("\r\x1b[K"));
+}
+
+TEST(ProgressBar, StaysSilentWhenNothingWasShown) {
+  std::ostringstream terminal;
+  { const ProgressBar bar(terminal); }
+  EXPECT_EQ(terminal.str(), "");
+}
+
+}  // namespace
+}  // namespace burnish::cli

@@ -1,0 +1,143 @@
+// Every method against its slow twin in tests/support/oracle.cpp.
+#include <gtest/gtest.h>
+
+#include "core/smooth/adaptive.h"
+#include "core/smooth/laplacian.h"
+#include "core/smooth/mean_curvature_flow.h"
+#include "core/smooth/taubin.h"
+#include "tests/support/oracle.h"
+
+namespace burnish {
+namespace {
+
+using namespace burnish::testing;
+
+/// Closed and open, rough and sharp.
+std::vector<Shape> shapes() {
+  return {with_noise(sphere(2), 0.05), with_noise(grid(8), 0.15), with_noise(cube(5), 0.08), sphere(1)};
+}
+
+/// Largest distance between the smoothed surface and the oracle's, in mean edge lengths.
+template <class Smooth>
+double deviation(const Shape& shape, const Shape& expected, Smooth&& smooth) {
+  Surface surface = surface_of(shape);
+  EXPECT_TRUE(smooth(surface));
+  double worst = 0;
+  for (std::size_t v = 0; v < shape.positions.size(); ++v) {
+    const Vec3d is = surface.mesh.frame.to_file(to_double(surface.mesh.positions[surface.weld[v]]));
+    worst = std::max(worst, length(is - expected.positions[v]));
+  }
+  return worst / (surface.mean_edge * surface.mesh.frame.scale());
+}
+
+/// Float positions keep 2^-24 of the diagonal; a few dozen operations an iteration may each add that.
+double tolerance(int iterations) { return 2e-6 * (1 + iterations); }
+
+class Oracle : public ::testing::TestWithParam<int> {};
+
+TEST_P(Oracle, AgreesWithLaplacian) {
+  for (const Shape& shape : shapes()) {
+    EXPECT_LT(deviation(shape, oracle_laplacian(shape, 0.7, GetParam()),
+                        [](Surface& s) {
+                          return smooth_laplacian(s, {.lambda = 0.7},
+                                                  {.iterations = static_cast<std::uint32_t>(GetParam())}, {});
+                        }),
+              tolerance(GetParam()));
+  }
+}
+
+TEST_P(Oracle, AgreesWithTaubin) {
+  for (const Shape& shape : shapes()) {
+    EXPECT_LT(deviation(shape, oracle_taubin(shape, 0.5, -0.53, GetParam()),
+                        [](Surface& s) {
+                          return smooth_taubin(s, {}, {.iterations = static_cast<std::uint32_t>(GetParam())},
+                                               {});
+                        }),
+              tolerance(GetParam()));
+  }
+}
+
+TEST_P(Oracle, AgreesWithMeanCurvatureFlow) {
+  for (const Shape& shape : shapes()) {
+    const MeanCurvatureFlowParams params;
+    EXPECT_LT(deviation(shape, oracle_mean_curvature_flow(shape, params, GetParam()),
+                        [&](Surface& s) {
+                          return smooth_mean_curvature_flow(
+                              s, params, {.iterations = static_cast<std::uint32_t>(GetParam())}, {});
+                        }),
+              10 * tolerance(GetParam()));  // cotangents of slivers amplify rounding
+  }
+}
+
+TEST_P(Oracle, AgreesWithAdaptiveInEveryVariant) {
+  using P = AdaptiveParams;
+  for (const Shape& shape : shapes()) {
+    for (const P& params : {
+             P{},
+             P{.normals = P::Normals::Unit},
+             P{.neighbourhood = P::Neighbourhood::Vertices},
+             P{.offsets = P::Offsets::Area},
+             P{.umbrella = P::Umbrella::InverseLength},
+             P{.coefficient = P::Coefficient::Linear},
+             P{.coefficient = P::Coefficient::Gaussian, .sigma = 0.3},
+             P{.scale = 0.5},
+         }) {
+      EXPECT_LT(deviation(shape, oracle_adaptive(shape, params, GetParam()),
+                          [&](Surface& s) {
+                            return smooth_adaptive(
+                                s, params, {.iterations = static_cast<std::uint32_t>(GetParam())}, {});
+                          }),
+                10 * tolerance(GetParam()));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Iterations, Oracle, ::testing::Values(1, 20));
+
+TEST(Adaptive, CoefficientGrowsAndIsBounded) {
+  using P = AdaptiveParams;
+  struct Row {
+    P params;
+    double at_zero, most;
+  };
+  for (const Row& row : {Row{{}, 1, 1.5}, Row{{.coefficient = P::Coefficient::Linear}, 0, 1},
+                         Row{{.coefficient = P::Coefficient::Gaussian}, 0, 1}}) {
+    EXPECT_EQ(offset_coefficient(row.params, 0), row.at_zero);
+    EXPECT_EQ(offset_coefficient(row.params, 1e300), row.most);
+    double last = row.at_zero;
+    for (double x = 0; x < 2; x += 0.001) {
+      EXPECT_GE(offset_coefficient(row.params, x), last);
+      last = offset_coefficient(row.params, x);
+    }
+  }
+  EXPECT_DOUBLE_EQ(offset_coefficient({}, 0.25), std::exp(0.25));
+}
+
+TEST(Adaptive, CoefficientVariesOverANoisyMesh) {
+  // Where d were 1 everywhere nothing would be adaptive: the linear coefficient must move rough places more.
+  Shape shape = with_noise(sphere(3), 0.002);
+  shape.positions[0] *= 1.1;
+  Surface surface = surface_of(shape);
+  const auto before = surface.mesh.positions;
+  ASSERT_TRUE(
+      smooth_adaptive(surface, {.coefficient = AdaptiveParams::Coefficient::Linear}, {.iterations = 1}, {}));
+  const double spike = length(surface.mesh.positions[0] - before[0]);
+  const double calm = length(surface.mesh.positions[200] - before[200]);
+  EXPECT_GT(spike, 50 * calm);
+  EXPECT_GT(calm, 0);
+}
+
+TEST(MeanCurvatureFlow, ShrinksASphereByItsClosedForm) {
+  Surface surface = surface_of(sphere(4));
+  const double h = surface.mean_edge * surface.mesh.frame.scale();
+  ASSERT_TRUE(smooth_mean_curvature_flow(surface, {}, {.iterations = 200}, {}));
+  const double t = 200 * 0.025 * h * h;
+  const double expected = std::sqrt(1 - 4 * t);  // r^2 = r0^2 - 4t
+  ASSERT_LT(expected, 0.99);
+  for (const Vec3f& p : surface.mesh.positions) {
+    EXPECT_NEAR(length(surface.mesh.frame.to_file(to_double(p))), expected, 0.01 * (1 - expected) + 2e-3);
+  }
+}
+
+}  // namespace
+}  // namespace burnish
