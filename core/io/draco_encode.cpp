@@ -231,7 +231,10 @@ class DracoWriter {
     encoded_.bytes = std::move(file->bytes);
     encoded_.format = Format::Draco;
     encoded_.draco_method = method_;
-    if (method_ == DracoMethod::Edgebreaker) warn_about_order(file->points, file->triangles);
+    const bool reorders = method_ == DracoMethod::Edgebreaker;
+    encoded_.vertices = reorders ? static_cast<std::uint32_t>(file->points) : mesh_.num_points();
+    encoded_.triangles = reorders ? static_cast<std::uint32_t>(file->triangles) : mesh_.num_faces();
+    if (reorders) warn_about_order(file->points, file->triangles);
     return {};
   }
 

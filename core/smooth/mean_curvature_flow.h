@@ -14,7 +14,7 @@ struct MeanCurvatureFlowParams {
   /// Cotangents are clamped to [0, this], 0.01 to 1000. Slivers have huge ones and obtuse triangles negative
   /// ones, and on noisy scans both make the explicit flow diverge; without negative weights every step is an
   /// average.
-  double largest_cotangent = 1.3;
+  double largest_cotangent = 10;
 };
 
 /// v' = v + dt/M sum_w (cot a + cot b)/2 (w - v), M a third of the area of the triangles at v. The share of

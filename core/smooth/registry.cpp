@@ -19,8 +19,10 @@ std::string list_names(const Items& items, Name&& name) {
   return list;
 }
 
-/// Shortest text that reads back the same, as people write it: 0.5, 20, 1e+30.
+/// As people write numbers: 0.5, 20, 100000, 1e+30.
 std::string number_text(double value) {
+  if (std::floor(value) == value && std::abs(value) < 1e7)
+    return std::to_string(static_cast<std::int64_t>(value));
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
   return {buffer, end};

@@ -6,7 +6,8 @@ import unittest
 
 import grpc
 
-from programs import BURNISHD, ENVIRONMENT, MeshTest, PATIENCE_SECONDS, Server, error_info, smooth_request, start_burnish
+from programs import (BURNISHD, ENVIRONMENT, PATIENCE_SECONDS, MeshTest, Server, error_info, smooth_request,
+                      start_burnish)
 
 BAD_MESHES = {
     "index_out_of_range": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",

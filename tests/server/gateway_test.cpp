@@ -21,10 +21,12 @@ const std::function<bool()> kClientStays = [] { return false; };
 
 /// A gateway with everything behind it, and no socket.
 struct House {
-  explicit House(SmoothFunction smooth = {}, JobRunnerOptions options = {.workers = 1, .queue = 1})
-      : runner(options), jobs(service, runner, lifecycle, metrics, 60s, std::move(smooth)) {
+  explicit House(SmoothFunction smooth = {}, std::chrono::milliseconds longest_run = 60s)
+      : runner({.workers = 1, .queue = 1}),
+        jobs(service, runner, lifecycle, metrics, longest_run, std::move(smooth)) {
     lifecycle.move_to(LifecycleState::Serving);
   }
+  ~House() { runner.drain(0ms); }  // workers use what is destroyed before the runner
 
   HttpResponse handle(const HttpRequest& request) { return gateway.handle(request, kClientStays); }
   HttpResponse get(const std::string& path) { return handle({.method = "GET", .path = path}); }
@@ -281,15 +283,9 @@ TEST(Gateway, AnswersAPassedDeadlineEvenWhenTheJobCannotBeInterrupted) {
 }
 
 TEST(Gateway, BoundsTheLongestRun) {
-  Lifecycle lifecycle;
-  lifecycle.move_to(LifecycleState::Serving);
-  Metrics metrics;
-  const SmoothService service;
   testing::Gate gate;
-  JobRunner runner({.workers = 1});
-  SmoothJobs jobs(service, runner, lifecycle, metrics, 20ms, gate.smoother());
-  Gateway gateway(jobs);
-  expect_problem(gateway.handle(smooth_request("mesh"), kClientStays), Cause::DeadlineExceeded);
+  House house(gate.smoother(), 20ms);
+  expect_problem(house.handle(smooth_request("mesh")), Cause::DeadlineExceeded);
 }
 
 TEST(Gateway, CountsRequestsAndOutcomes) {
@@ -297,6 +293,8 @@ TEST(Gateway, CountsRequestsAndOutcomes) {
   house.handle(smooth_request(small_mesh(), {{"iterations", "1"}}));
   house.handle(smooth_request("no mesh at all"));
   house.handle(smooth_request(small_mesh(), {{"colour", "red"}}));
+  ASSERT_TRUE(
+      testing::eventually([&] { return house.runner.running() == 0; }));  // answers come a moment before
   const std::string text = house.get("/metrics").body;
   for (const char* line :
        {"burnish_requests_total{transport=\"http\"} 3", "burnish_requests_total{transport=\"grpc\"} 0",

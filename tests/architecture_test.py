@@ -1,0 +1,41 @@
+"""Who may include what: core knows no network and no contract, the client library no core."""
+
+import pathlib
+import re
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
+
+# folder: what its files must not include
+FORBIDDEN = {
+    "core": r"(server|client|tests|burnish/v1|grpc|grpcpp|google|httplib|spdlog|prometheus|nlohmann)",
+    "server/service": r"(client|server/(grpc|http|jobs|observe)|grpc|grpcpp|httplib)",
+    "server/jobs": r"(client|server/(grpc|http)/|grpc|grpcpp|httplib)",
+    "server/grpc": r"(client|server/http|httplib)",
+    "server/http": r"(client|server/grpc|grpc|grpcpp)",
+    "client/smoothing_client": r"(core|server|httplib|draco)",
+}
+
+
+class Architecture(unittest.TestCase):
+    def test_no_file_includes_what_its_layer_must_not_know(self):
+        seen = 0
+        for prefix, pattern in FORBIDDEN.items():
+            folder = ROOT / prefix
+            files = folder.rglob("*.*") if folder.is_dir() else folder.parent.glob(folder.name + ".*")
+            for path in (p for p in files if p.suffix in (".h", ".cpp")):
+                seen += 1
+                for name in INCLUDE.findall(path.read_text()):
+                    self.assertIsNone(re.match(pattern + r"\b", name), f"{path.relative_to(ROOT)} includes {name}")
+        self.assertGreater(seen, 50)
+
+    def test_one_file_alone_includes_httplib(self):
+        users = [p for top in ("core", "server", "client") for p in (ROOT / top).rglob("*.*")
+                 if p.suffix in (".h", ".cpp") and "httplib.h" in INCLUDE.findall(p.read_text())]
+        self.assertEqual([p.name for p in users], ["http_server.cpp"])
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
