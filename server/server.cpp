@@ -13,8 +13,8 @@
 namespace burnish {
 namespace {
 
-/// For calls whose answer is being sent after the jobs are done, and for health watchers, who never end.
-constexpr std::chrono::seconds kLastAnswers{5};
+/// For gRPC answers that are still being sent after the jobs are done.
+constexpr std::chrono::seconds kLastAnswers{30};
 constexpr std::size_t kMostHttpSmoothCalls = 256;  // each holds a thread
 
 Limits limits_of(const Config& config) {
@@ -84,15 +84,16 @@ Result<> Server::open(const Config& config) {
 Server::~Server() { stop(std::chrono::milliseconds::zero()); }
 
 void Server::stop(std::chrono::milliseconds grace) {
-  if (lifecycle_.move_to(LifecycleState::Draining)) {
+  const bool served = lifecycle_.serving();
+  if (lifecycle_.move_to(LifecycleState::Draining) && served) {
     spdlog::info("draining: {} jobs run, {} wait", runner_.running(), runner_.queued());
-    if (grpc_) grpc_->set_serving(false);
+    grpc_->set_serving(false);
   }
   runner_.drain(grace);
   const std::lock_guard stopping(stop_mutex_);
   if (http_) http_->stop();
   if (grpc_) grpc_->stop(kLastAnswers);
-  if (lifecycle_.move_to(LifecycleState::Stopped)) spdlog::info("stopped");
+  if (lifecycle_.move_to(LifecycleState::Stopped) && served) spdlog::info("stopped");
 }
 
 }  // namespace burnish

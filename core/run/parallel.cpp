@@ -1,5 +1,6 @@
 #include "core/run/parallel.h"
 
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -22,7 +23,8 @@ bool run_blocks(std::size_t count, const RunControl& run, BlockFunction function
     return !run.stopped();
   }
   std::atomic<bool> stopped = false;
-  tbb::task_arena arena(run.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(run.threads));
+  const int cores = tbb::info::default_concurrency();  // oneTBB warns on stderr about arenas with more
+  tbb::task_arena arena(run.threads == 0 ? cores : std::min(cores, static_cast<int>(run.threads)));
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
       if (stopped.load(std::memory_order_relaxed)) return;

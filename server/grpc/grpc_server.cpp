@@ -12,6 +12,8 @@ namespace burnish {
 namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+/// For clients to close their connections themselves. Some never do: those that watch health, or do not poll.
+constexpr std::chrono::milliseconds kGoodbye{250};
 constexpr int kMaxMetadataBytes = 16 * 1024;
 
 int at_most_int(std::uint64_t value) {
@@ -64,7 +66,8 @@ void GrpcServer::set_serving(bool serving) {
 
 void GrpcServer::stop(std::chrono::milliseconds patience) {
   if (!server_) return;
-  server_->Shutdown(std::chrono::system_clock::now() + patience);
+  handler_.calls().wait_until_none(patience);
+  server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
   server_->Wait();
 }
 

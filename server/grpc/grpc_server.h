@@ -30,8 +30,8 @@ class GrpcServer {
   /// What the health service says, for "" and for burnish.v1.SmoothingService.
   void set_serving(bool serving);
 
-  /// Takes no new calls, waits for those under way for up to `patience`, then cancels them. Jobs must have
-  /// been drained, or calls that wait for one keep this from returning. Safe to repeat.
+  /// Waits until every answer to Smooth has been sent, for at most `patience`, then closes all connections.
+  /// Jobs must have been drained. Safe to repeat.
   void stop(std::chrono::milliseconds patience);
 
  private:

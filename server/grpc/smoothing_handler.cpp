@@ -34,7 +34,10 @@ SmoothJob to_job(const v1::SmoothRequest& request) {
 /// One call. gRPC keeps request and response until OnDone, which comes after Finish and after every reaction.
 class SmoothReactor final : public grpc::ServerUnaryReactor {
  public:
-  explicit SmoothReactor(std::optional<Clock::time_point> deadline) : deadline_(deadline) {}
+  SmoothReactor(CallCount& calls, std::optional<Clock::time_point> deadline)
+      : calls_(calls), deadline_(deadline) {
+    calls_.enter();
+  }
 
   /// Called within the handler, before gRPC knows the reactor: a Finish is held back until the handler
   /// returned.
@@ -57,7 +60,10 @@ class SmoothReactor final : public grpc::ServerUnaryReactor {
     if (handle) handle->cancel();
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    calls_.leave();
+    delete this;
+  }
 
  private:
   static grpc::Status fill(v1::SmoothResponse& response, SmoothResult& result) {
@@ -67,6 +73,7 @@ class SmoothReactor final : public grpc::ServerUnaryReactor {
     return grpc::Status::OK;
   }
 
+  CallCount& calls_;
   const std::optional<Clock::time_point> deadline_;
   std::mutex mutex_;
   std::optional<JobHandle> handle_;  ///< guarded by mutex_
@@ -74,10 +81,26 @@ class SmoothReactor final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
+void CallCount::enter() {
+  const std::lock_guard lock(mutex_);
+  ++calls_;
+}
+
+void CallCount::leave() {
+  const std::lock_guard lock(mutex_);
+  --calls_;
+  changed_.notify_all();  // with the lock: whoever waits may destroy this object next
+}
+
+bool CallCount::wait_until_none(std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, patience, [this] { return calls_ == 0; });
+}
+
 grpc::ServerUnaryReactor* SmoothingHandler::Smooth(grpc::CallbackServerContext* context,
                                                    const v1::SmoothRequest* request,
                                                    v1::SmoothResponse* response) {
-  auto* reactor = new SmoothReactor(steady_deadline(*context));  // deletes itself in OnDone
+  auto* reactor = new SmoothReactor(calls_, steady_deadline(*context));  // deletes itself in OnDone
   reactor->start(jobs_, *request, *response);
   return reactor;
 }
