@@ -16,7 +16,7 @@ HttpResponse respond(int status, std::string_view code, std::string_view title, 
                {"status", status},
                {"detail", detail},
                {"code", code},
-               {"request_id", request_id}};
+               {"requestId", request_id}};
   if (!field.empty()) json["field"] = field;
   // Foreign names may hold bytes that are not UTF-8; dump() would throw.
   return {.status = status,

@@ -61,8 +61,8 @@ void expect_problem(const HttpResponse& response, Cause cause) {
   EXPECT_EQ(problem["title"], row.title);
   EXPECT_EQ(problem["type"], "urn:burnish:problem:" + std::string(cause_code(cause)));
   EXPECT_FALSE(problem["detail"].get<std::string>().empty());
-  EXPECT_EQ(problem["request_id"].get<std::string>().size(), 16u);
-  EXPECT_EQ(problem["request_id"], response.headers.at("Burnish-Request-Id"));
+  EXPECT_EQ(problem["requestId"].get<std::string>().size(), 16u);
+  EXPECT_EQ(problem["requestId"], response.headers.at("Burnish-Request-Id"));
 }
 
 TEST(Gateway, AnswersWithTheMeshAndItsReport) {
