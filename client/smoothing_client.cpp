@@ -76,7 +76,7 @@ Result<Reply> invoke(const CallOptions& options, Call&& call) try {
 
 SmoothingClient::SmoothingClient(const std::string& address) : SmoothingClient(open_channel(address)) {}
 
-SmoothingClient::SmoothingClient(std::shared_ptr<grpc::Channel> channel)
+SmoothingClient::SmoothingClient(const std::shared_ptr<grpc::Channel>& channel)
     : stub_(v1::SmoothingService::NewStub(channel)) {}
 
 Result<v1::SmoothResponse> SmoothingClient::smooth(const v1::SmoothRequest& request,

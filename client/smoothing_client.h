@@ -58,7 +58,7 @@ class SmoothingClient {
   /// `address` is HOST:PORT or any gRPC name; the connection is not encrypted.
   explicit SmoothingClient(const std::string& address);
   /// For other credentials. The channel's own message limits apply.
-  explicit SmoothingClient(std::shared_ptr<grpc::Channel> channel);
+  explicit SmoothingClient(const std::shared_ptr<grpc::Channel>& channel);
 
   Result<v1::SmoothResponse> smooth(const v1::SmoothRequest& request, const CallOptions& options = {}) const;
   Result<v1::ListMethodsResponse> list_methods(const CallOptions& options = {}) const;

@@ -2,7 +2,7 @@
 add_library(burnish_flags INTERFACE)
 target_compile_options(burnish_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wfloat-conversion -Werror
-  -Wno-restrict      # GCC 12 sees overlaps in std::string's operator+ that are not there (its bug 105651)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> # GCC 12 sees overlaps in std::string's operator+ that are not there (its bug 105651)
   -ffp-contract=off) # a*b+c must round twice everywhere, or meshes would differ between machines
 if(BURNISH_SANITIZE)
   target_compile_options(burnish_flags INTERFACE

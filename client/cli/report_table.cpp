@@ -35,7 +35,9 @@ std::string parameters(const v1::SmoothReport& report) {
   std::map<std::string, std::string> sorted;
   for (const auto& [name, value] : report.parameters()) sorted[name] = text(value);
   std::string line;
-  for (const auto& [name, value] : sorted) line += (line.empty() ? "" : ", ") + name + " " + value;
+  for (const auto& [name, value] : sorted) {
+    line.append(line.empty() ? "" : ", ").append(name).append(" ").append(value);
+  }
   return line;
 }
 

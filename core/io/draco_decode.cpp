@@ -181,6 +181,7 @@ Result<std::vector<DracoCoding>> decode_with(std::string_view bytes, const Admis
   GuardedDecoder<Base> decoder(admission);
   if (auto ok = decoder.decode(bytes, mesh); !ok) return ok.error();
   std::vector<DracoCoding> codings;
+  codings.reserve(static_cast<std::size_t>(mesh.num_attributes()));
   for (int id = 0; id < mesh.num_attributes(); ++id)
     codings.push_back(coding_of(decoder.GetPortableAttribute(id)));
   return codings;

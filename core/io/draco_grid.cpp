@@ -65,7 +65,8 @@ float DracoGrid::encodable(std::size_t axis, float value) const {
   // Some value nearby does: the one that the file's encoder was given. It is within two cells, or within the
   // rounding of its distance to the origin.
   const float step = std::max({cell_size_ / 4, last_bit(value), last_bit(value - origin_[axis]) / 2});
-  for (float distance = step; distance <= 8 * step; distance += step) {
+  for (int steps = 1; steps <= 8; ++steps) {
+    const float distance = static_cast<float>(steps) * step;
     if (written(axis, value + distance) == value) return value + distance;
     if (written(axis, value - distance) == value) return value - distance;
   }

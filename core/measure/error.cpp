@@ -19,9 +19,10 @@ std::vector<Vec3f> into_frame(const Frame& frame, const Surface& reference, std:
   parallel_for(local.size(), run, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       Vec3d p = own.to_file(to_double(positions[v])) - frame.centre;
-      // A reference from another world stays finite: its distance is huge either way.
+      // A reference from another world stays within reach: its distance is huge either way.
+      constexpr double kFar = NearestTriangle::kFarthest;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        p[axis] = std::clamp(std::ldexp(p[axis], -frame.exponent), -1e30, 1e30);
+        p[axis] = std::clamp(std::ldexp(p[axis], -frame.exponent), -kFar, kFar);
       }
       local[v] = to_float(p);
     }
@@ -61,13 +62,13 @@ bool measure_distances(const Surface& surface, std::span<const Vec3f> positions,
   return parallel_for(positions.size(), run, [&](std::size_t begin, std::size_t end) {
     Index near = 0;
     for (std::size_t v = begin; v < end; ++v) {
-      if (v % 256 == 0 && run.stopped()) return;  // a far reference makes a query slow
+      if (v % 4 == 0 && run.stopped()) return;  // triangles that overlap make a query slow
       if (surface.topology.vertex_faces[v].empty()) continue;
       if (!partner.empty()) {
         const auto faces = reference.topology.vertex_faces[partner[v]];
         if (!faces.empty()) near = faces.front();
       }
-      const auto hit = nearest.find(to_double(positions[v]), near);
+      const auto hit = nearest.find(positions[v], near);
       squared[v] = hit.squared_distance;
       near = hit.triangle;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/run/math.h"
 #include "core/run/parallel.h"
@@ -13,23 +14,24 @@ struct Totals {
   double area = 0, volume = 0, smallest_angle = 0;
 };
 
-double smallest_angle_of(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const double twice_area = length(cross(b - a, c - a));
-  return std::min({portable_angle(twice_area, dot(b - a, c - a)),
-                   portable_angle(twice_area, dot(c - b, a - b)),
-                   portable_angle(twice_area, dot(a - c, b - c))});
+/// Cotangent of the triangle's smallest angle: all three share the area, so the largest dot product has it.
+double largest_cotangent(const Vec3d& a, const Vec3d& b, const Vec3d& c, double twice_area) {
+  const double largest = std::max({dot(b - a, c - a), dot(c - b, a - b), dot(a - c, b - c)});
+  return twice_area > 0 ? largest / twice_area : std::numeric_limits<double>::infinity();
 }
 
 Totals totals(const Surface& surface, std::span<const Vec3f> positions, const RunControl& run) {
   const auto& triangles = surface.mesh.triangles;
   const auto corner = [&](std::size_t t, std::size_t c) { return to_double(positions[triangles[t][c]]); };
-  std::vector<double> smallest(triangles.size());
+  std::vector<double> cotangents(triangles.size());
   Totals result;
   result.area = parallel_sum(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t t = begin; t < end; ++t) {
-      sum += length(cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0))) / 2;
-      smallest[t] = smallest_angle_of(corner(t, 0), corner(t, 1), corner(t, 2));
+      const Vec3d a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+      const double twice_area = length(cross(b - a, c - a));
+      sum += twice_area / 2;
+      cotangents[t] = largest_cotangent(a, b, c, twice_area);
     }
     return sum;
   });
@@ -38,7 +40,9 @@ Totals totals(const Surface& surface, std::span<const Vec3f> positions, const Ru
     for (std::size_t t = begin; t < end; ++t) sum += dot(corner(t, 0), cross(corner(t, 1), corner(t, 2))) / 6;
     return sum;
   });
-  if (!smallest.empty()) result.smallest_angle = *std::min_element(smallest.begin(), smallest.end());
+  if (!cotangents.empty()) {
+    result.smallest_angle = portable_angle(1, *std::max_element(cotangents.begin(), cotangents.end()));
+  }
   return result;
 }
 

@@ -106,9 +106,10 @@ void HttpServer::Impl::set_up() {
     if (response.body.empty()) respond(bad_request(response.status, new_request_id()), response);
     return httplib::Server::HandlerResponse::Handled;
   });
-  server.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
-    respond(problem({Cause::Internal, "the server failed to answer"}, new_request_id()), response);
-  });
+  server.set_exception_handler(
+      [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
+        respond(problem({Cause::Internal, "the server failed to answer"}, new_request_id()), response);
+      });
   server.set_logger([this](const auto& request, const auto& response) { log(request, response); });
 }
 

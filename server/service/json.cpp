@@ -1,10 +1,15 @@
 #include <google/protobuf/util/json_util.h>
 
+#include <map>
+#include <nlohmann/json.hpp>
+
 #include "server/service/options.h"
 #include "server/service/smooth_service.h"
 
 namespace burnish {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 v1::ParameterKind to_proto(ParameterKind kind) {
   switch (kind) {
@@ -29,6 +34,15 @@ void describe(const ParameterSpec& spec, v1::ParameterDescription& out) {
   out.set_description(spec.text);
 }
 
+/// A report's parameters are a protobuf map, whose order changes from run to run.
+void sort_parameters(Json& json) {
+  const auto parameters = json.find("parameters");
+  if (parameters == json.end() || !parameters->is_object()) return;
+  std::map<std::string, Json> sorted;
+  for (const auto& [name, value] : parameters->items()) sorted.emplace(name, value);
+  *parameters = Json(sorted);
+}
+
 }  // namespace
 
 v1::ListMethodsResponse list_methods() {
@@ -45,12 +59,13 @@ v1::ListMethodsResponse list_methods() {
 
 std::string to_json(const google::protobuf::Message& message, bool compact) {
   google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = !compact;
   options.always_print_primitive_fields = true;
-  std::string json;
+  std::string text;
   // Fails only for messages that JSON cannot express (bad UTF-8, non-finite Values); ours never hold any.
-  if (!google::protobuf::util::MessageToJsonString(message, &json, options).ok()) return "{}";
-  return json;
+  if (!google::protobuf::util::MessageToJsonString(message, &text, options).ok()) return "{}";
+  Json json = Json::parse(text);
+  sort_parameters(json);
+  return json.dump(compact ? -1 : 2);
 }
 
 }  // namespace burnish

@@ -54,7 +54,7 @@ std::string_view version();
 
 v1::ListMethodsResponse list_methods();
 
-/// Protobuf JSON with zeros printed; `compact` on one line.
+/// Protobuf JSON with zeros printed and parameters in alphabetical order; `compact` on one line.
 std::string to_json(const google::protobuf::Message& message, bool compact);
 
 /// Sets one parameter from text ("lambda", "0.5"), as query strings and --set give it. "iterations" too.

@@ -1,5 +1,5 @@
-// Every method of the registry: 20 iterations on one thread and on two. The counter is the time per vertex and
-// iteration.
+// Every method of the registry: 20 iterations on one thread and on two. The counter is the time per vertex
+// and iteration.
 #include <benchmark/benchmark.h>
 
 #include "core/smooth/registry.h"

@@ -1,6 +1,6 @@
-// NearestTriangle beside Embree's point query, for docs/decisions/0006-nearest-triangle.md: same process, same
-// thread, same points, same first bound, same triangle test, in turns, so that the ratio survives a noisy machine.
-// Times are CPU milliseconds for the build and for one query per vertex.
+// NearestTriangle beside Embree's point query, for docs/decisions/0006-nearest-triangle.md: same process,
+// same thread, same points, same first bound, same triangle test, in turns, so that the ratio survives a
+// noisy machine. Times are CPU milliseconds for the build and for one query per vertex.
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
 
@@ -57,7 +57,7 @@ Times ask_ours(const Task& task, std::vector<double>& squared) {
   const double built = cpu_milliseconds();
   Index last = 0;
   for (std::size_t i = 0; i < task.points.size(); ++i) {
-    const auto hit = nearest->find(to_double(task.points[i]), task.first_triangle(i, last));
+    const auto hit = nearest->find(task.points[i], task.first_triangle(i, last));
     squared[i] = hit.squared_distance;
     last = hit.triangle;
   }
@@ -115,8 +115,8 @@ Times ask_embree(const Task& task, RTCBuildQuality quality, std::vector<double>&
     const Index first = task.first_triangle(i, last);
     Best best{task.reference, distance_to(task.reference, to_double(p), first), first};
     // Rounded up, so that the bound is never below the distance.
-    const float radius =
-        std::nextafter(static_cast<float>(std::sqrt(best.squared_distance)), std::numeric_limits<float>::max());
+    const float radius = std::nextafter(static_cast<float>(std::sqrt(best.squared_distance)),
+                                        std::numeric_limits<float>::max());
     RTCPointQuery query{p.x, p.y, p.z, 0, radius};
     rtcPointQuery(scene.get(), &query, &context, closer, &best);
     squared[i] = best.squared_distance;
@@ -136,7 +136,8 @@ bool same_answers(const std::vector<double>& ours, const std::vector<double>& em
 void compare(benchmark::State& state, Start start, int level, RTCBuildQuality quality) {
   const Surface& reference = noisy_surface(level);
   Task task{{}, reference, start};
-  for (const Vec3d& p : clean_sphere(level).positions) task.points.push_back(reference.mesh.frame.to_local(p));
+  for (const Vec3d& p : clean_sphere(level).positions)
+    task.points.push_back(reference.mesh.frame.to_local(p));
   std::vector<double> ours(task.points.size()), embrees(task.points.size());
   Times our_times, embree_times;
   for (auto _ : state) {

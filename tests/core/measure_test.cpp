@@ -32,20 +32,41 @@ TEST(SquaredDistance, FindsFacesEdgesAndCorners) {
   EXPECT_DOUBLE_EQ(squared_distance({0, 3, 4}, a, a, a), 25);         // a point
 }
 
+/// Asks for each point, from some start, and compares with the best of all triangles.
+void expect_nearest(const Mesh& mesh, std::size_t triangles, std::span<const Vec3f> points) {
+  const std::span all(mesh.triangles.data(), triangles);
+  const auto nearest = NearestTriangle::build(mesh.positions, all, {});
+  ASSERT_TRUE(nearest);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3d p = to_double(points[i]);
+    double best = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b, c] : all) {
+      best = std::min(best, squared_distance(p, to_double(mesh.positions[a]), to_double(mesh.positions[b]),
+                                             to_double(mesh.positions[c])));
+    }
+    EXPECT_EQ(nearest->find(points[i], static_cast<Index>(i % triangles)).squared_distance, best)
+        << triangles << " triangles, point " << i;
+  }
+}
+
 TEST(NearestTriangle, AgreesWithTryingAllFromAnyStart) {
   const Surface s = surface_of(with_noise(sphere(3), 0.1));
-  const auto nearest = NearestTriangle::build(s.mesh.positions, s.mesh.triangles, {});
-  ASSERT_TRUE(nearest);
-  const Shape points = with_noise(scaled(sphere(2), 0.7), 0.5);
-  for (std::size_t i = 0; i < points.positions.size(); ++i) {
-    const Vec3d& p = points.positions[i];
-    double best = std::numeric_limits<double>::infinity();
-    for (const auto& [a, b, c] : s.mesh.triangles) {
-      best = std::min(best, squared_distance(p, to_double(s.mesh.positions[a]),
-                                             to_double(s.mesh.positions[b]), to_double(s.mesh.positions[c])));
-    }
-    EXPECT_EQ(nearest->find(p, static_cast<Index>(i % s.mesh.triangles.size())).squared_distance, best);
+  const Surface points = surface_of(with_noise(scaled(sphere(2), 0.7), 0.5));
+  expect_nearest(s.mesh, s.mesh.triangles.size(), points.mesh.positions);
+}
+
+TEST(NearestTriangle, AgreesWithTryingAllForAnyNumberOfTriangles) {
+  const Surface s = surface_of(with_noise(sphere(3), 0.1));
+  for (const std::size_t triangles : {1, 2, 7, 8, 9, 63, 64, 65, 511, 512, 513}) {
+    expect_nearest(s.mesh, triangles, std::span(s.mesh.positions).first(40));
   }
+}
+
+TEST(NearestTriangle, AgreesWithTryingAllFromFarAway) {
+  const Surface s = surface_of(with_noise(sphere(3), 0.1));
+  const std::vector<Vec3f> points{
+      {1e3F, 2e3F, -5e2F}, {0, 1e6F, 0}, {1e12F, 1e12F, 1e12F}, {-1e18F, 0, 1e18F}};
+  expect_nearest(s.mesh, s.mesh.triangles.size(), points);
 }
 
 TEST(Ev, AgreesWithBruteForce) {

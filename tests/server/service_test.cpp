@@ -220,6 +220,16 @@ TEST(ListMethods, IsTheRegistry) {
   EXPECT_THAT(to_json(response, true), HasSubstr(R"("defaultValue":0.5)"));
 }
 
+TEST(Json, ListsParametersInAlphabeticalOrder) {
+  v1::SmoothReport report;
+  for (const char* name : {"mu", "boundary", "lambda", "iterations", "a", "z"}) {
+    (*report.mutable_parameters())[name].set_number_value(0.1);
+  }
+  EXPECT_THAT(
+      to_json(report, true),
+      HasSubstr(R"("parameters":{"a":0.1,"boundary":0.1,"iterations":0.1,"lambda":0.1,"mu":0.1,"z":0.1})"));
+}
+
 TEST(Json, PrintsZerosAndNoUnsetMeasure) {
   const std::string json = to_json(v1::SmoothReport{}, true);
   EXPECT_THAT(json, HasSubstr(R"("requestId":"")"));
