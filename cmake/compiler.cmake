@@ -3,7 +3,10 @@ add_library(burnish_flags INTERFACE)
 target_compile_options(burnish_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wfloat-conversion -Werror
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> # GCC 12 sees overlaps in std::string's operator+ that are not there (its bug 105651)
-  -ffp-contract=off) # a*b+c must round twice everywhere, or meshes would differ between machines
+  # a*b+c must round twice everywhere, or meshes would differ between machines.
+  -ffp-contract=off
+  # GCC 12's SLP vectoriser drops the rounding of double to float to double, from -O2 on: wrong, and it varies.
+  -fno-tree-slp-vectorize)
 if(BURNISH_SANITIZE)
   target_compile_options(burnish_flags INTERFACE
     -fsanitize=${BURNISH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

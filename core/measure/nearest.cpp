@@ -55,7 +55,7 @@ struct NearestTriangle::Item {
   Index triangle;
 
   /// Puts those with the lowest coordinates before `rank`, as std::nth_element does, but by halving the range
-  /// of values: no branch depends on an item, which makes it three times as fast. What is closer together
+  /// of values: no branch depends on an item, which makes it more than twice as fast. What is closer together
   /// than 2^-16 of the range may stay mixed.
   static void select(std::span<Item> items, std::size_t rank, std::size_t axis, float low, float high,
                      const RunControl& run) {
@@ -102,11 +102,11 @@ Result<NearestTriangle> NearestTriangle::build(std::span<const Vec3f> positions,
       items[t] = {positions[a] + positions[b] + positions[c], static_cast<Index>(t)};
     }
   });
-  std::size_t lowest_level = 0,
-              unit = 1;  // first node of the level above the triangles; triangles per child of the root
-  for (; unit * kWidth < items.size(); unit *= kWidth) lowest_level = lowest_level * kWidth + 1;
-  tree.first_triangle_ = lowest_level * kWidth + 1;
-  tree.nodes_.resize(lowest_level + (items.size() + kWidth - 1) / kWidth);
+  std::size_t lowest_node = 0;  // first of the level whose children are triangles
+  std::size_t unit = 1;         // triangles per child of the root
+  for (; unit * kWidth < items.size(); unit *= kWidth) lowest_node = lowest_node * kWidth + 1;
+  tree.first_triangle_ = lowest_node * kWidth + 1;
+  tree.nodes_.resize(lowest_node + items.size() / kWidth + 1);
   tree.grow(0, items, unit, run);
   tree.order_.resize(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) tree.order_[i] = items[i].triangle;
