@@ -1,10 +1,25 @@
 #include "core/run/math.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 namespace burnish {
 namespace {
+
+/// 1/0! to 1/13!, the series of e^x: constants, because a division per term would be most of the cost.
+constexpr auto kInverseFactorials = [] {
+  std::array<double, 14> inverse{};
+  double factorial = 1;
+  for (std::size_t n = 0; n < inverse.size(); ++n) {
+    inverse[n] = 1 / factorial;
+    factorial *= static_cast<double>(n + 1);
+  }
+  return inverse;
+}();
 
 // Three halvings bring the argument below tan(pi/32), where nine terms of the series reach double accuracy.
 double arctangent_up_to_one(double t) {
@@ -20,12 +35,14 @@ double arctangent_up_to_one(double t) {
 double portable_exp(double x) {
   constexpr double kLog2E = 1.44269504088896340736;
   constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
+  constexpr double kRound = 0x1.8p52;  // adding and taking it away again rounds to a whole number
   x = std::clamp(x, -700.0, 700.0);
-  const double k = std::floor(x * kLog2E + 0.5);
+  const double k = (x * kLog2E + kRound) - kRound;
   const double r = (x - k * kLn2High) - k * kLn2Low;  // |r| <= ln(2) / 2
-  double sum = 1.0;
-  for (int n = 14; n >= 1; --n) sum = 1.0 + r * sum / n;
-  return std::ldexp(sum, static_cast<int>(k));
+  double sum = kInverseFactorials.back();
+  for (std::size_t n = kInverseFactorials.size() - 1; n-- > 0;) sum = kInverseFactorials[n] + r * sum;
+  const auto power = static_cast<std::uint64_t>(static_cast<std::int64_t>(k) + 1023) << 52;
+  return sum * std::bit_cast<double>(power);
 }
 
 double portable_angle(double y, double x) {

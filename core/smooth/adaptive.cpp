@@ -10,11 +10,15 @@
 namespace burnish {
 namespace {
 
-/// A triangle's part in Eq. 1 and 2.
+/// What Eq. 1 asks of a neighbour. Apart from Plane, so that each pass gathers only what it needs.
 struct Face {
   Vec3f area_normal;  // cross product of two edges: normal times twice the area
   float twice_area = 0;
-  Vec3f centroid;
+};
+
+/// What Eq. 2 asks of a triangle at the vertex.
+struct Plane {
+  Vec3f expected_normal, centroid;
 };
 
 /// Below this share of the summed areas the weighted normals cancel out, and their sum is only rounding.
@@ -30,14 +34,14 @@ class Adaptive {
         movable_(movable),
         run_(run),
         faces_(surface.mesh.triangles.size()),
-        expected_(surface.mesh.triangles.size()) {
+        planes_(surface.mesh.triangles.size()) {
     const double scale = params.scale > 0 ? params.scale / surface.mesh.frame.scale() : surface.mean_edge;
     per_squared_scale_ = scale > 0 ? 1 / (scale * scale) : 0;
   }
 
   bool advance(std::span<const Vec3f> from, std::span<Vec3f> to) {
-    return for_each_face([&](std::size_t f) { faces_[f] = measure(from, surface_.mesh.triangles[f]); }) &&
-           for_each_face([&](std::size_t f) { expected_[f] = expected_normal(f); }) &&
+    return for_each_face([&](std::size_t f) { measure(from, f); }) &&
+           for_each_face([&](std::size_t f) { planes_[f].expected_normal = expected_normal(f); }) &&
            parallel_for(from.size(), run_, [&](std::size_t begin, std::size_t end) {
              for (std::size_t v = begin; v < end; ++v) {
                if (!movable_[v]) continue;
@@ -55,13 +59,12 @@ class Adaptive {
     });
   }
 
-  static Face measure(std::span<const Vec3f> from, const Triangle& t) {
+  void measure(std::span<const Vec3f> from, std::size_t f) {
+    const Triangle& t = surface_.mesh.triangles[f];
     const Vec3f &a = from[t[0]], &b = from[t[1]], &c = from[t[2]];
-    Face face;
-    face.area_normal = cross(b - a, c - a);
-    face.twice_area = length(face.area_normal);
-    face.centroid = (a + b + c) * (1.0F / 3.0F);
-    return face;
+    const Vec3f area_normal = cross(b - a, c - a);
+    faces_[f] = {area_normal, length(area_normal)};
+    planes_[f].centroid = (a + b + c) * (1.0F / 3.0F);
   }
 
   /// m(R), Eq. 1: sum of A(S) n(S) over sum of A(S); n(R) where the neighbours cancel out or there are none.
@@ -119,8 +122,8 @@ class Adaptive {
     float weights = 0;
     for (const Index f : topology_.vertex_faces[v]) {
       const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? faces_[f].twice_area : 1.0F;
-      const Vec3f& m = expected_[f];
-      sum += m * (weight * dot(faces_[f].centroid - p, m));
+      const auto& [m, centroid] = planes_[f];
+      sum += m * (weight * dot(centroid - p, m));
       weights += weight;
     }
     return weights > 0 ? sum * (1 / weights) : Vec3f{};
@@ -152,7 +155,7 @@ class Adaptive {
   std::span<const std::uint8_t> movable_;
   const RunControl& run_;
   std::vector<Face> faces_;
-  std::vector<Vec3f> expected_;
+  std::vector<Plane> planes_;
   double per_squared_scale_;
 };
 
