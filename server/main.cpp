@@ -1,10 +1,10 @@
 // burnishd: flags, signals, wiring.
-#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
-#include <thread>
+#include <future>
 
 #include <spdlog/spdlog.h>
 
@@ -25,17 +25,14 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-/// Drains; one more signal cuts the grace period short.
-void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
-  std::atomic<bool> stopped = false;
-  const std::jthread draining([&] {
-    server.stop(grace);
-    stopped = true;
-  });
+/// Drains; one more signal cuts the grace period short. False when slow clients are left.
+bool stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
+  auto draining = std::async(std::launch::async, [&] { return server.stop(grace); });
   const timespec tick{.tv_sec = 0, .tv_nsec = 20'000'000};
-  while (!stopped) {
+  while (draining.wait_for(std::chrono::seconds::zero()) != std::future_status::ready) {
     if (sigtimedwait(&signals, nullptr, &tick) > 0) server.stop(std::chrono::seconds::zero());
   }
+  return draining.get();
 }
 
 }  // namespace
@@ -55,6 +52,10 @@ int main(int argc, char** argv) {
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("signal {}: stopping within {} s", signal, config.grace.count());
-  stop(*server.value(), config.grace, signals);
+  if (!stop(*server.value(), config.grace, signals)) {
+    spdlog::warn("left HTTP clients that never finished asking");
+    spdlog::shutdown();
+    std::_Exit(0);  // every accepted request is answered; destructors would wait for those clients
+  }
   return 0;
 }

@@ -83,7 +83,7 @@ Result<> Server::open(const Config& config) {
 
 Server::~Server() { stop(std::chrono::milliseconds::zero()); }
 
-void Server::stop(std::chrono::milliseconds grace) {
+bool Server::stop(std::chrono::milliseconds grace) {
   const bool served = lifecycle_.serving();
   if (lifecycle_.move_to(LifecycleState::Draining) && served) {
     spdlog::info("draining: {} jobs run, {} wait", runner_.running(), runner_.queued());
@@ -91,9 +91,10 @@ void Server::stop(std::chrono::milliseconds grace) {
   }
   runner_.drain(grace);
   const std::lock_guard stopping(stop_mutex_);
-  if (http_) http_->stop();
+  const bool http_ended = !http_ || http_->stop(kLastAnswers);
   if (grpc_) grpc_->stop(kLastAnswers);
   if (lifecycle_.move_to(LifecycleState::Stopped) && served) spdlog::info("stopped");
+  return http_ended;
 }
 
 }  // namespace burnish

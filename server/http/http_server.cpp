@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <future>
 #include <thread>
 #include <utility>
 
@@ -69,6 +70,7 @@ struct HttpServer::Impl {
   std::atomic<bool> stopping = false;
   std::atomic<std::size_t> smooth_calls = 0;
   httplib::Server server;
+  std::future<void> ended;
   std::jthread thread;
 };
 
@@ -163,21 +165,23 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(const HttpServerOptions& o
                                        " for HTTP: the address is in use or not one of this machine's"};
   }
   impl->address = {host, opened};
-  impl->thread = std::jthread([server = &impl->server] { server->listen_after_bind(); });
+  std::packaged_task<void()> listen([server = &impl->server] { server->listen_after_bind(); });
+  impl->ended = listen.get_future();
+  impl->thread = std::jthread(std::move(listen));
   impl->server.wait_until_ready();  // stop() before that would be lost
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 
 HttpServer::HttpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-HttpServer::~HttpServer() { stop(); }
+HttpServer::~HttpServer() { stop(std::chrono::milliseconds::zero()); }
 
 const Address& HttpServer::address() const { return impl_->address; }
 
-void HttpServer::stop() {
+bool HttpServer::stop(std::chrono::milliseconds patience) {
   impl_->stopping = true;
   impl_->server.stop();
-  if (impl_->thread.joinable()) impl_->thread.join();
+  return impl_->ended.wait_for(patience) == std::future_status::ready;
 }
 
 }  // namespace burnish

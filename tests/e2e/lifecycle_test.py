@@ -3,6 +3,7 @@
 import concurrent.futures
 import json
 import signal
+import socket
 import subprocess
 import time
 import unittest
@@ -49,6 +50,19 @@ class Lifecycle(MeshTest):
             server.terminate()
             self.assertEqual(server.exit_code(), 0, server.log_text())
             self.assertIn(running.code(), (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED))
+
+    def test_a_client_that_never_finishes_asking_cannot_hold_the_server(self):
+        with Server() as server, socket.create_connection(server.http.split(":")) as slow:
+            slow.sendall(b"POST /v1/smooth HTTP/1.1\r\nHost: slow\r\n")
+            server.terminate()
+            while server.process.poll() is None:  # one more byte of a header within every time limit of a read
+                try:
+                    slow.sendall(b"X")
+                except OSError:
+                    pass
+                time.sleep(0.05)
+            self.assertEqual(server.exit_code(), 0, server.log_text())
+            self.assertIn("left HTTP clients", server.log_text())
 
     def test_a_full_queue_refuses_at_once(self):
         with Server("--workers", 1, "--queue", 1, "--grace-seconds", 0) as server:
