@@ -13,8 +13,9 @@
 namespace burnish {
 namespace {
 
-/// For gRPC answers that are still being sent after the jobs are done.
-constexpr std::chrono::seconds kLastAnswers{30};
+/// For answers that are still being sent after the jobs are done; over HTTP no longer than the grace period,
+/// because there nobody can tell them from a request that never comes whole.
+constexpr std::chrono::milliseconds kLastAnswers{30'000}, kLeastPatience{2000};
 constexpr std::size_t kMostHttpSmoothCalls = 256;  // each holds a thread
 
 Limits limits_of(const Config& config) {
@@ -91,7 +92,7 @@ bool Server::stop(std::chrono::milliseconds grace) {
   }
   runner_.drain(grace);
   const std::lock_guard stopping(stop_mutex_);
-  const bool http_ended = !http_ || http_->stop(kLastAnswers);
+  const bool http_ended = !http_ || http_->stop(std::clamp(grace, kLeastPatience, kLastAnswers));
   if (grpc_) grpc_->stop(kLastAnswers);
   if (lifecycle_.move_to(LifecycleState::Stopped) && served) spdlog::info("stopped");
   return http_ended;

@@ -52,7 +52,7 @@ class Lifecycle(MeshTest):
             self.assertIn(running.code(), (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED))
 
     def test_a_client_that_never_finishes_asking_cannot_hold_the_server(self):
-        with Server() as server, socket.create_connection(server.http.split(":")) as slow:
+        with Server("--grace-seconds", 2) as server, socket.create_connection(server.http.split(":")) as slow:
             slow.sendall(b"POST /v1/smooth HTTP/1.1\r\nHost: slow\r\n")
             server.terminate()
             while server.process.poll() is None:  # one more byte of a header within every time limit of a read
