@@ -20,7 +20,8 @@ struct RunControl {
   std::optional<Clock::time_point> deadline = {};
   /// Called from the thread that runs the job, with the fraction done in [0, 1]; must not block.
   std::function<void(double fraction)> progress = {};
-  /// Threads that the job may use, at most one per core; 0 means every core. The result does not depend on it.
+  /// Threads that the job may use, at most one per core; 0 means every core. Any number gives the same
+  /// result.
   unsigned threads = 1;
 
   bool stopped() const noexcept { return stop.stop_requested() || (deadline && Clock::now() >= *deadline); }

@@ -10,7 +10,8 @@ namespace {
   return to_double(rounded);
 }
 
-// GCC 12's SLP vectoriser returned p itself at -O2: positions compared in double were then not the ones stored.
+// GCC 12's SLP vectoriser returned p itself at -O2: positions compared in double were then not the ones
+// stored.
 TEST(Vec3, RoundsWhenItGoesThroughFloat) {
   const Vec3d p{0.1, 0.2, 0.3}, q = through_float(p);
   EXPECT_EQ(q.x, static_cast<double>(0.1F));
