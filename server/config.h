@@ -1,4 +1,6 @@
-// Settings of burnishd: flags, each also an environment variable (--grpc-listen is BURNISH_GRPC_LISTEN).
+// Settings of burnishd. Each is a flag, an environment variable (--grpc-listen is BURNISH_GRPC_LISTEN) and a
+// key of the JSON file that --config names ("grpc-listen"). A flag wins over the environment, the environment
+// over the file. docs/operations.md lists them all.
 #pragma once
 
 #include <chrono>
@@ -6,33 +8,51 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/run/error.h"
+#include "server/service/limits.h"
 
 namespace burnish {
 
-/// Where to listen. Port 0 means any free one.
+/// Where to listen: a TCP port, 0 meaning any free one, or a Unix domain socket.
 struct Address {
-  std::string host;  ///< a name or a number; IPv6 without brackets
+  std::string host;  ///< a name or a number; IPv6 without brackets; "" for a socket
   int port = 0;
+  std::string path = {};  ///< of a Unix domain socket; "" for TCP
 
-  std::string text() const;  ///< "127.0.0.1:8080", "[::1]:8080"
+  bool is_unix() const { return !path.empty(); }
+  std::string text() const;  ///< "127.0.0.1:8080", "[::1]:8080", "unix:/run/burnish.sock"
   friend bool operator==(const Address&, const Address&) = default;
 };
 
-/// Understands "HOST:PORT" and "[IPV6]:PORT". Errors: BadOption.
+/// Understands "HOST:PORT", "[IPV6]:PORT" and "unix:PATH". Errors: BadOption.
 Result<Address> parse_address(std::string_view text);
 
 struct Config {
   Address grpc_listen{"127.0.0.1", 50051};
   Address http_listen{"127.0.0.1", 8080};
-  std::string ports_file;    ///< gets {"grpc": "HOST:PORT", "http": "HOST:PORT"} once both serve; empty: none
-  unsigned workers = 0;      ///< jobs that run at once; 0 = one per core
-  std::uint32_t queue = 64;  ///< jobs that may wait
-  unsigned threads = 0;      ///< cores for a job that is alone; 0 = all
-  std::uint64_t max_bytes = std::uint64_t{64} << 20;  ///< of a mesh and of a reference, each
-  std::chrono::seconds longest_run{600};              ///< of one job
-  std::chrono::seconds grace{30};                     ///< for accepted jobs after a signal to stop
+  std::string ports_file;  ///< gets {"grpc": "HOST:PORT", "http": "HOST:PORT"} once both serve; empty: none
+
+  unsigned workers = 0;          ///< jobs that run at once; 0 = one per core
+  std::uint32_t queue = 64;      ///< jobs that may wait
+  unsigned threads = 0;          ///< cores for a job that is alone; 0 = all
+  std::uint64_t max_memory = 0;  ///< estimated bytes of all accepted jobs; 0 = half of the memory there is
+  std::string spool_folder;      ///< for request bodies over 2 MiB; empty: the system's temporary folder
+  std::uint64_t max_spool_bytes = std::uint64_t{8} << 30;  ///< of all request bodies together
+
+  RequestLimits limits;                                    ///< --max-bytes, --max-vertices, ...
+  std::uint64_t max_unary_bytes = std::uint64_t{8} << 20;  ///< of a gRPC message; streams carry more
+  int max_streams = 1024;                                  ///< gRPC calls at once on one connection
+  bool grpc_compression = false;  ///< gzip answers of gRPC for callers that accept it
+
+  std::uint32_t max_connections = 1024;   ///< HTTP connections at once; more are told to come back
+  std::chrono::seconds head_timeout{10};  ///< for the head of an HTTP request
+  std::uint32_t min_body_rate = 1024;     ///< bytes a second that a body must bring after its first 10 s
+  std::vector<std::string> cors_origins;  ///< pages that may call from a browser; "*": all; empty: none
+
+  std::chrono::seconds longest_run{600};  ///< of one job
+  std::chrono::seconds grace{30};         ///< for accepted jobs after a signal to stop
   std::string log_level = "info";
 };
 

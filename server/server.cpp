@@ -1,6 +1,7 @@
 #include "server/server.h"
 
 #include <algorithm>
+#include <condition_variable>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -10,27 +11,15 @@
 #include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
 
+#include "server/observe/memory_limit.h"
+
 namespace burnish {
 namespace {
 
 /// For answers that are still being sent after the jobs are done; over HTTP no longer than the grace period,
 /// because there nobody can tell them from a request that never comes whole.
 constexpr std::chrono::milliseconds kLastAnswers{30'000}, kLeastPatience{2000};
-constexpr std::size_t kMostHttpSmoothCalls = 256;  // each holds a thread
-
-Limits limits_of(const Config& config) {
-  Limits limits;
-  limits.max_bytes = config.max_bytes;
-  return limits;
-}
-
-/// Requests that can be in the server at once, a few more than have a place, so that those hear that it is
-/// full.
-std::size_t calls_at_once(const Config& config) {
-  const unsigned workers =
-      config.workers ? config.workers : std::max(1u, std::thread::hardware_concurrency());
-  return workers + config.queue + 32;
-}
+constexpr std::chrono::seconds kHealthTick{1};
 
 /// Whoever waits for the file must never read half of it.
 Result<> write_ports_file(const std::string& path, const Address& grpc, const Address& http) {
@@ -50,10 +39,15 @@ Result<> write_ports_file(const std::string& path, const Address& grpc, const Ad
 }  // namespace
 
 Server::Server(const Config& config, SmoothFunction smooth)
-    : service_(limits_of(config)),
-      runner_({.workers = config.workers, .queue = config.queue, .threads = config.threads}),
-      jobs_(service_, runner_, lifecycle_, metrics_, config.longest_run, std::move(smooth)),
-      gateway_(jobs_) {}
+    : service_(config.limits),
+      spool_({.folder = config.spool_folder, .max_bytes = config.max_spool_bytes}),
+      runner_({.workers = config.workers,
+               .queue = config.queue,
+               .threads = config.threads,
+               .max_memory = config.max_memory ? config.max_memory : usable_memory() / 2,
+               .longest_run = config.longest_run}),
+      jobs_(service_, runner_, spool_, lifecycle_, metrics_, std::move(smooth)),
+      gateway_(jobs_, {.cors_origins = config.cors_origins}) {}
 
 Result<std::unique_ptr<Server>> Server::start(const Config& config, SmoothFunction smooth) {
   auto server = std::unique_ptr<Server>(new Server(config, std::move(smooth)));
@@ -62,24 +56,37 @@ Result<std::unique_ptr<Server>> Server::start(const Config& config, SmoothFuncti
 }
 
 Result<> Server::open(const Config& config) {
-  const std::size_t calls = calls_at_once(config);
-  auto http = HttpServer::start({.listen = config.http_listen,
-                                 .max_bytes = config.max_bytes,
-                                 .smooth_calls = std::min(calls, kMostHttpSmoothCalls)},
-                                gateway_);
+  if (auto usable = spool_.check(); !usable) return usable;
+  auto http = HttpServer::start(config, gateway_, jobs_);
   if (!http) return std::move(http).error();
   http_ = std::move(http).value();
-  auto grpc = GrpcServer::start(
-      {.listen = config.grpc_listen, .max_bytes = config.max_bytes, .max_streams = static_cast<int>(calls)},
-      jobs_);
+  auto grpc = GrpcServer::start(config, jobs_);
   if (!grpc) return std::move(grpc).error();
   grpc_ = std::move(grpc).value();
+  if (auto passed = jobs_.self_test(); !passed) return passed;
 
   lifecycle_.move_to(LifecycleState::Serving);
-  grpc_->set_serving(true);
+  tell_health();
+  health_ = std::jthread([this](const std::stop_token& stop) { watch_health(stop); });
   spdlog::info("serving gRPC on {} and HTTP on {}", grpc_address().text(), http_address().text());
   if (config.ports_file.empty()) return {};
   return write_ports_file(config.ports_file, grpc_address(), http_address());
+}
+
+/// gRPC's health service must be told; /readyz asks by itself.
+void Server::tell_health() {
+  const std::lock_guard lock(health_mutex_);
+  const bool serves = jobs_.serving();
+  if (healthy_ && !serves && lifecycle_.serving()) spdlog::error("not ready: the workers are stuck");
+  healthy_ = serves;
+  grpc_->set_serving(serves);
+}
+
+void Server::watch_health(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  while (!stopped.wait_for(lock, stop, kHealthTick, [&stop] { return stop.stop_requested(); })) tell_health();
 }
 
 Server::~Server() { stop(std::chrono::milliseconds::zero()); }
@@ -88,10 +95,11 @@ bool Server::stop(std::chrono::milliseconds grace) {
   const bool served = lifecycle_.serving();
   if (lifecycle_.move_to(LifecycleState::Draining) && served) {
     spdlog::info("draining: {} jobs run, {} wait", runner_.running(), runner_.queued());
-    grpc_->set_serving(false);
+    tell_health();
   }
   runner_.drain(grace);
   const std::lock_guard stopping(stop_mutex_);
+  health_ = {};
   const bool http_ended = !http_ || http_->stop(std::clamp(grace, kLeastPatience, kLastAnswers));
   if (grpc_) grpc_->stop(kLastAnswers);
   if (lifecycle_.move_to(LifecycleState::Stopped) && served) spdlog::info("stopped");

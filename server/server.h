@@ -4,12 +4,13 @@
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <thread>
 
 #include "server/config.h"
 #include "server/grpc/grpc_server.h"
 #include "server/http/http_server.h"
 #include "server/jobs/job_runner.h"
-#include "server/jobs/smooth_jobs.h"
+#include "server/jobs/jobs.h"
 #include "server/lifecycle.h"
 #include "server/observe/metrics.h"
 
@@ -17,8 +18,9 @@ namespace burnish {
 
 class Server {
  public:
-  /// Opens both ports, then serves, then writes the ports file. `smooth` stands in for the real one in tests.
-  /// Errors: BadOption when a port cannot open, FileError when the ports file cannot be written.
+  /// Opens both ports, sends a tiny mesh through the workers, then serves, then writes the ports file.
+  /// `smooth` stands in for the real one in tests. Errors: BadOption when a port cannot open or the spool
+  /// folder cannot be written, FileError when the ports file cannot be written, what the self-test says.
   static Result<std::unique_ptr<Server>> start(const Config& config, SmoothFunction smooth = {});
   ~Server();  ///< stop(zero)
 
@@ -36,16 +38,22 @@ class Server {
  private:
   Server(const Config& config, SmoothFunction smooth);
   Result<> open(const Config& config);
+  void tell_health();
+  void watch_health(const std::stop_token& stop);
 
   Lifecycle lifecycle_;
   Metrics metrics_;
   SmoothService service_;
+  Spool spool_;
   JobRunner runner_;
-  SmoothJobs jobs_;
+  Jobs jobs_;
   Gateway gateway_;
   std::mutex stop_mutex_;
   std::unique_ptr<GrpcServer> grpc_;
   std::unique_ptr<HttpServer> http_;
+  std::mutex health_mutex_;
+  bool healthy_ = false;  ///< guarded by health_mutex_
+  std::jthread health_;   ///< last: it uses all of the above
 };
 
 }  // namespace burnish

@@ -16,6 +16,14 @@ std::optional<Format> format_of_name(const std::string& path) {
   return std::nullopt;
 }
 
-Limits no_limits() { return {.max_bytes = std::numeric_limits<std::uint64_t>::max()}; }
+Limits no_limits() {
+  constexpr auto kAny = std::numeric_limits<std::uint64_t>::max();
+  return {.max_bytes = kAny,
+          // The topology counts up to six neighbours per triangle in 32 bits.
+          .max_vertices = 4'000'000'000,
+          .max_triangles = 700'000'000,
+          .max_attributes = std::numeric_limits<std::uint32_t>::max(),
+          .max_line_bytes = kAny};
+}
 
 }  // namespace burnish::cli

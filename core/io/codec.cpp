@@ -36,7 +36,7 @@ Result<std::unique_ptr<Document>> decode(std::string_view bytes, std::optional<F
                                          const Limits& limits, const RunControl& run) {
   if (bytes.size() > limits.max_bytes) {
     return Error{Cause::TooLarge, "the mesh has " + std::to_string(bytes.size()) + " bytes; the limit is " +
-                                      std::to_string(limits.max_bytes)};
+                                      std::to_string(limits.max_bytes) + " (max-bytes)"};
   }
   if (!format) format = detect_format(bytes);
   if (!format) return Error{Cause::UnsupportedFormat, "the mesh is neither OBJ text nor Draco"};

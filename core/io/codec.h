@@ -48,10 +48,13 @@ struct SharedAttributes {
   std::vector<std::string> dropped;                  ///< what else the file holds and the other format cannot
 };
 
+/// What a file may hold. An error that says so names the member as its flag is spelt: "(max-vertices)".
 struct Limits {
-  std::uint64_t max_bytes = std::uint64_t{64} << 20;
-  std::uint64_t max_vertices = 100'000'000;
-  std::uint64_t max_triangles = 200'000'000;
+  std::uint64_t max_bytes = std::uint64_t{256} << 20;
+  std::uint64_t max_vertices = 20'000'000;
+  std::uint64_t max_triangles = 40'000'000;
+  std::uint32_t max_attributes = 64;                      ///< of a Draco mesh
+  std::uint64_t max_line_bytes = std::uint64_t{1} << 20;  ///< of an OBJ
 };
 
 /// The written file and how true it is.

@@ -2,24 +2,21 @@
 #include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
-#include <draco/core/varint_decoding.h>
 
 #include <string>
 
 #include "core/io/draco_document.h"
+#include "core/io/draco_header.h"
 
 namespace burnish {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 11;  // "DRACO", version (2), geometry, method, flags (2)
-constexpr int kMostAttributes = 120;      // the encoder counts them in a signed byte
-constexpr int kMostComponents = 127;      // so does its conversion of integers
+constexpr int kMostAttributes = 120;  // the encoder counts them in a signed byte
+constexpr int kMostComponents = 127;  // so does its conversion of integers
 constexpr std::uint64_t kMostAttributeBytes = std::uint64_t{1} << 31;  // the library's offsets are 32 bit
 
-/// Bytes of an unsigned count in the file, in either of its two historical forms.
-bool read_count(draco::DecoderBuffer& buffer, bool plain, std::uint32_t* count) {
-  return plain ? buffer.Decode(count) : draco::DecodeVarint(count, &buffer);
-}
+/// Memory that decoding may take, against the file's size and against the limit of it.
+constexpr std::uint64_t kMostPerByte = 8192, kMostPerLimit = 64;
 
 /// What must hold at each stage of decoding before the library goes on to the next.
 class Admission {
@@ -27,18 +24,10 @@ class Admission {
   Admission(std::size_t file_bytes, DracoMethod method, const Limits& limits, const RunControl& run)
       : file_bytes_(file_bytes), method_(method), limits_(limits), run_(run) {}
 
-  /// Peeks at the counts ahead of `buffer`, which is a copy: the library allocates by them before it reads
-  /// on.
-  Result<> declared_counts(draco::DecoderBuffer buffer) const {
-    const auto version = buffer.bitstream_version();
-    const bool sequential = method_ == DracoMethod::Sequential;
-    const bool plain = version < (sequential ? DRACO_BITSTREAM_VERSION(2, 2) : DRACO_BITSTREAM_VERSION(2, 0));
-    std::uint32_t skipped = 0, triangles = 0, points = 0;
-    if (!sequential && version < DRACO_BITSTREAM_VERSION(2, 2) && !read_count(buffer, plain, &skipped))
-      return {};
-    if (!read_count(buffer, plain, sequential ? &triangles : &points)) return {};
-    if (!read_count(buffer, plain, sequential ? &points : &triangles)) return {};
-    return counts(triangles, points, 0);
+  /// What the file declares ahead of `buffer`: the library allocates by it before it reads on.
+  Result<> declared(const draco::DecoderBuffer& buffer) const {
+    const auto declared = declared_counts(buffer, method_);
+    return declared ? counts(declared->triangles, declared->points, 0) : Result<>{};
   }
 
   Result<> connectivity(const draco::Mesh& mesh) const {
@@ -58,6 +47,11 @@ class Admission {
 
   /// The attributes are declared, their values not yet read.
   Result<> attributes(const draco::Mesh& mesh) const {
+    if (static_cast<std::uint32_t>(mesh.num_attributes()) > limits_.max_attributes) {
+      return Error{Cause::TooLarge, "the mesh has " + std::to_string(mesh.num_attributes()) +
+                                        " attributes; the limit is " +
+                                        std::to_string(limits_.max_attributes) + " (max-attributes)"};
+    }
     if (mesh.num_attributes() > kMostAttributes) {
       return Error{Cause::UnsupportedFormat, "the mesh has " + std::to_string(mesh.num_attributes()) +
                                                  " attributes; at most " + std::to_string(kMostAttributes) +
@@ -88,20 +82,24 @@ class Admission {
   Result<> counts(std::uint64_t triangles, std::uint64_t points, std::uint64_t point_bytes) const {
     if (triangles > limits_.max_triangles) {
       return Error{Cause::TooLarge, "the mesh has " + std::to_string(triangles) +
-                                        " triangles; the limit is " + std::to_string(limits_.max_triangles)};
+                                        " triangles; the limit is " + std::to_string(limits_.max_triangles) +
+                                        " (max-triangles)"};
     }
     if (points > limits_.max_vertices) {
       return Error{Cause::TooLarge, "the mesh has " + std::to_string(points) + " points; the limit is " +
-                                        std::to_string(limits_.max_vertices)};
+                                        std::to_string(limits_.max_vertices) + " (max-vertices)"};
     }
     // A few bytes can declare millions of triangles: bound what decoding takes by what the file is worth. A
     // plane of a million triangles at 10 bits, the best that the encoder does, takes 4400 times its file.
     const std::uint64_t working_set = method_ == DracoMethod::Sequential ? 24 : 64;
     const std::uint64_t need = triangles * working_set + points * (24 + point_bytes);
     constexpr std::uint64_t kAlwaysAllowed = std::uint64_t{256} << 20;
-    if (need > kAlwaysAllowed && (need / 8192 > file_bytes_ || need / 64 > limits_.max_bytes)) {
+    if (need > kAlwaysAllowed &&
+        (need / kMostPerByte > file_bytes_ || need / kMostPerLimit > limits_.max_bytes)) {
       return Error{Cause::TooLarge, "decoding " + std::to_string(file_bytes_) + " bytes would take " +
-                                        std::to_string(need >> 20) + " MiB of memory"};
+                                        std::to_string(need >> 20) + " MiB of memory; the limit is " +
+                                        std::to_string(kMostPerByte) + " times the file and " +
+                                        std::to_string(kMostPerLimit) + " times (max-bytes)"};
     }
     return run_.check();
   }
@@ -146,7 +144,7 @@ class GuardedDecoder final : public Base {
 
  protected:
   bool DecodeConnectivity() override {
-    return passes(admission_.declared_counts(*this->buffer())) && Base::DecodeConnectivity() &&
+    return passes(admission_.declared(*this->buffer())) && Base::DecodeConnectivity() &&
            passes(admission_.connectivity(*this->mesh()));
   }
   bool DecodeAllAttributes() override {
@@ -185,24 +183,6 @@ Result<std::vector<DracoCoding>> decode_with(std::string_view bytes, const Admis
   for (int id = 0; id < mesh.num_attributes(); ++id)
     codings.push_back(coding_of(decoder.GetPortableAttribute(id)));
   return codings;
-}
-
-Result<DracoMethod> check_header(std::string_view bytes, const Limits& limits) {
-  if (bytes.size() > limits.max_bytes) {
-    return Error{Cause::TooLarge, "the file has " + std::to_string(bytes.size()) + " bytes; the limit is " +
-                                      std::to_string(limits.max_bytes)};
-  }
-  if (bytes.size() < kHeaderBytes || !bytes.starts_with("DRACO")) {
-    return Error{Cause::MalformedMesh, "the Draco header is missing or cut short"};
-  }
-  if (bytes[7] == draco::POINT_CLOUD) {
-    return Error{Cause::NotATriangleMesh, "the Draco file holds a point cloud, not a triangle mesh"};
-  }
-  if (bytes[7] != draco::TRIANGULAR_MESH)
-    return Error{Cause::MalformedMesh, "the Draco file holds no known geometry"};
-  if (bytes[8] == draco::MESH_SEQUENTIAL_ENCODING) return DracoMethod::Sequential;
-  if (bytes[8] == draco::MESH_EDGEBREAKER_ENCODING) return DracoMethod::Edgebreaker;
-  return Error{Cause::MalformedMesh, "the Draco file uses an unknown encoding method"};
 }
 
 /// Every point must lead to a value of every attribute.
@@ -261,7 +241,11 @@ Result<std::unique_ptr<Document>> read_document(std::string_view bytes, DracoMet
 
 Result<std::unique_ptr<Document>> decode_draco(std::string_view bytes, const Limits& limits,
                                                const RunControl& run) {
-  const auto method = check_header(bytes, limits);
+  if (bytes.size() > limits.max_bytes) {
+    return Error{Cause::TooLarge, "the file has " + std::to_string(bytes.size()) + " bytes; the limit is " +
+                                      std::to_string(limits.max_bytes) + " (max-bytes)"};
+  }
+  const auto method = draco_method(bytes);
   if (!method) return method.error();
   if (auto ok = run.check(); !ok) return ok.error();
   return without_exceptions(Cause::MalformedMesh, [&] { return read_document(bytes, *method, limits, run); });

@@ -6,10 +6,11 @@
 #include <limits>
 
 #include "core/io/obj_document.h"
-#include "core/run/parallel.h"
 
 namespace burnish {
 namespace {
+
+constexpr std::uint64_t kBytesBetweenChecks = 64 << 10;
 
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
@@ -32,15 +33,22 @@ struct Farthest {
 class ObjParser {
  public:
   ObjParser(std::string_view text, const Limits& limits, const RunControl& run)
-      : text_(text), at_(text.data()), end_(text.data() + text.size()), limits_(limits), run_(run) {
+      : text_(text), at_(text.data()), file_end_(text.data() + text.size()), limits_(limits), run_(run) {
     document_->text_ = text;
   }
 
   Result<std::unique_ptr<Document>> parse() {
-    for (std::uint64_t lines = 0; at_ != end_; ++lines) {
-      if (lines % kBlockSize == 0 && run_.stopped()) return run_.stop_error();
-      if (auto line = parse_line(); !line) return line.error();
-      skip_line();
+    for (const char* next_check = at_; at_ != file_end_;) {
+      if (at_ >= next_check) {
+        if (run_.stopped()) return run_.stop_error();
+        next_check = at_ + std::min(kBytesBetweenChecks, rest());
+      }
+      const char* const begin = at_;
+      // An endless line ends at its limit; one that fits still shows its end there.
+      end_ = begin + (limits_.max_line_bytes < rest() ? limits_.max_line_bytes + 1 : rest());
+      const auto line = parse_line();
+      if (!skip_line() && end_ != file_end_) return too_long(begin);
+      if (!line) return line.error();
     }
     if (auto references = check_references(); !references) return references.error();
     if (document_->positions_.empty()) return Error{Cause::EmptyMesh, "the OBJ file has no vertex (v line)"};
@@ -88,8 +96,9 @@ class ObjParser {
       at_ = stop;
     }
     if (document_->positions_.size() >= limits_.max_vertices) {
-      return fail(Cause::TooLarge, begin,
-                  "the mesh has more than " + std::to_string(limits_.max_vertices) + " vertices");
+      return fail(
+          Cause::TooLarge, begin,
+          "the mesh has more than " + std::to_string(limits_.max_vertices) + " vertices (max-vertices)");
     }
     document_->positions_.push_back(position);
     document_->vertex_text_.push_back(range(begin, at_));
@@ -125,8 +134,9 @@ class ObjParser {
                   face_name() + " has " + std::to_string(corners_.size()) + " corners; it needs at least 3");
     }
     if (document_->triangles_.size() + corners_.size() - 2 > limits_.max_triangles) {
-      return fail(Cause::TooLarge, begin,
-                  "the mesh has more than " + std::to_string(limits_.max_triangles) + " triangles");
+      return fail(
+          Cause::TooLarge, begin,
+          "the mesh has more than " + std::to_string(limits_.max_triangles) + " triangles (max-triangles)");
     }
     add_fan();
     ++faces_;
@@ -239,11 +249,13 @@ class ObjParser {
     return p[1] == '\r' && p + 2 != end_ && p[2] == '\n' ? 3 : 2;
   }
 
-  void skip_line() {
+  /// Goes past the end of the line; false when there is none before the cursor's end. The second half of CR
+  /// LF is an empty line to the next parse_line().
+  bool skip_line() {
     while (at_ != end_ && !is_line_end(*at_)) ++at_;
-    // The end itself belongs to the next call of parse_line, which sees an empty line for the second half of
-    // CR LF.
-    if (at_ != end_) ++at_;
+    if (at_ == end_) return false;
+    ++at_;
+    return true;
   }
 
   bool at_token_end(const char* p) const {
@@ -260,12 +272,18 @@ class ObjParser {
     return quoted + '"';
   }
 
+  Error too_long(const char* begin) const {
+    return fail(Cause::TooLarge, begin,
+                "a line has more than " + std::to_string(limits_.max_line_bytes) + " bytes (max-line-bytes)");
+  }
+
   Error fail(Cause cause, const char* place, const std::string& message) const {
     return {cause, message + " (line " + std::to_string(line_at(text_, offset(place))) + ')'};
   }
 
   std::string vertex_name() const { return "vertex " + std::to_string(document_->positions_.size() + 1); }
   std::string face_name() const { return "face " + std::to_string(faces_ + 1); }
+  std::uint64_t rest() const { return static_cast<std::uint64_t>(file_end_ - at_); }
   std::uint64_t offset(const char* p) const { return static_cast<std::uint64_t>(p - text_.data()); }
   TextRange range(const char* begin, const char* stop) const {
     return {offset(begin), static_cast<std::uint64_t>(stop - begin)};
@@ -273,7 +291,8 @@ class ObjParser {
 
   std::string_view text_;
   const char* at_;
-  const char* end_;
+  const char* const file_end_;
+  const char* end_ = nullptr;  // of what the line under way may read
   const Limits& limits_;
   const RunControl& run_;
   std::unique_ptr<ObjDocument> document_ = std::make_unique<ObjDocument>();

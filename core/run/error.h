@@ -2,6 +2,7 @@
 // our own broken invariants and for memory running out. docs/decisions/0001-error-type.md says why.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -32,10 +33,15 @@ enum class Cause : std::uint8_t {
   OutOfMemory,
   Internal,
   // The service.
-  QueueFull,
+  QueueFull,    ///< no place for another job now
+  MemoryFull,   ///< no memory or spool space for another job now
+  StorageFull,  ///< the disk has no room for the request
   ShuttingDown,
+  BadRequest,        ///< the request breaks the rules of its transport
+  RequestTimeout,    ///< the request did not come whole in time
   NotFound,          ///< HTTP: no such path
   MethodNotAllowed,  ///< HTTP: the path exists, the verb does not
+  NotAcceptable,     ///< HTTP: the answer has no type that the caller accepts
   // The caller's side.
   Unreachable,  ///< client: the server does not answer
   FileError,    ///< command line: a file cannot be read or written
@@ -52,6 +58,8 @@ struct Error {
   Cause cause = Cause::Internal;
   std::string message;
   std::string field = {};  ///< for options: the parameter's name; else empty
+  /// For refusals that pass: when trying again may help. Zero: not known.
+  std::chrono::milliseconds retry_after = {};
 
   friend bool operator==(const Error&, const Error&) = default;
 };

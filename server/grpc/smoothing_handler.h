@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "burnish/v1/smoothing.grpc.pb.h"
-#include "server/jobs/smooth_jobs.h"
+#include "server/jobs/jobs.h"
 
 namespace burnish {
 

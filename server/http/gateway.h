@@ -3,37 +3,48 @@
 
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "server/http/cors.h"
 #include "server/http/http_message.h"
-#include "server/jobs/smooth_jobs.h"
+#include "server/jobs/jobs.h"
 
 namespace burnish {
 
-/// Routes: POST /v1/smooth, GET and HEAD of /v1/methods, /livez, /readyz, /metrics. Thread-safe.
-class Gateway {
- public:
-  explicit Gateway(SmoothJobs& jobs) : jobs_(jobs) {}
-
-  /// Everything that can be answered from the head alone. Nothing: a POST /v1/smooth whose body is worth
-  /// reading.
-  std::optional<HttpResponse> answer_head(const HttpRequest& request);
-
-  /// Answers any request; one to smooth waits for its job, which ends early when `client_gone` says so (asked
-  /// every few milliseconds) or its timeout passes.
-  HttpResponse handle(const HttpRequest& request, const std::function<bool()>& client_gone);
-
-  /// Counts, logs and words the refusal of a request to smooth.
-  HttpResponse refuse(const Error& error);
-
- private:
-  HttpResponse answer_read(std::string_view path);
-  std::optional<HttpResponse> refuse_early(const HttpRequest& request);
-  HttpResponse smooth(const HttpRequest& request, const std::function<bool()>& client_gone);
-
-  SmoothJobs& jobs_;
+struct GatewayOptions {
+  std::vector<std::string> cors_origins;  ///< pages that may call from a browser; "*": all; empty: none
 };
 
-/// The body has more bytes than the limit.
-Error body_too_large(std::uint64_t limit);
+/// Every path of docs/api.md. Each answer carries Burnish-Request-Id; each request is counted and logged once.
+/// Thread-safe.
+class Gateway {
+ public:
+  explicit Gateway(Jobs& jobs, GatewayOptions options = {});
+
+  /// Everything that can be answered from the head alone. Nothing: a POST whose body is worth reading.
+  std::optional<HttpResponse> answer_head(const HttpRequest& request);
+
+  /// Answers any request; one with a mesh waits for its job, which ends early when `client_gone` says so
+  /// (asked every few milliseconds) or its timeout passes.
+  HttpResponse handle(const HttpRequest& request, const std::function<bool()>& client_gone);
+
+  /// Counts, logs and words the refusal of a request whose head is known.
+  HttpResponse refuse(const HttpRequest& request, const Error& error);
+
+  /// HTTP itself is broken: Cause::BadRequest or Cause::RequestTimeout, with this status. Counted and logged.
+  HttpResponse bad_request(int status, const Error& error);
+
+ private:
+  struct Exchange;
+  std::optional<HttpResponse> answer_head(Exchange& exchange);
+  std::optional<HttpResponse> refuse_early(Exchange& exchange);
+  HttpResponse answer_read(Exchange& exchange);
+  HttpResponse smooth(Exchange& exchange, const std::function<bool()>& client_gone);
+  HttpResponse compare(Exchange& exchange, const std::function<bool()>& client_gone);
+
+  Jobs& jobs_;
+  const Cors cors_;
+};
 
 }  // namespace burnish

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace burnish {
 
@@ -15,12 +16,26 @@ struct IgnoreCase {
 
 using HttpHeaders = std::map<std::string, std::string, IgnoreCase>;
 
+/// Bytes with whatever keeps them alive: a job may outlive the answer to its request.
+struct SharedBytes {
+  std::string_view bytes = {};
+  std::shared_ptr<const void> owner = {};
+};
+
+/// One part of a multipart/form-data body.
+struct FormPart {
+  std::string name;
+  std::string content_type;  ///< as sent; empty when absent
+  SharedBytes content;
+};
+
 struct HttpRequest {
   std::string method;  ///< "POST"
   std::string path;    ///< decoded, without the query
   std::multimap<std::string, std::string> query = {};
   HttpHeaders headers = {};
-  std::shared_ptr<const std::string> body = {};  ///< shared with the job, which may outlive the answer
+  SharedBytes body = {};             ///< decompressed; empty when the body was multipart
+  std::vector<FormPart> parts = {};  ///< of a multipart body, in the order sent
 
   std::string_view header(std::string_view name) const {
     const auto found = headers.find(name);

@@ -1,5 +1,7 @@
 #include "server/http/problem.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "server/status_map.h"
@@ -7,39 +9,33 @@
 namespace burnish {
 namespace {
 
-using Json = nlohmann::ordered_json;
+bool may_help_to_retry(Cause cause) {
+  return cause == Cause::QueueFull || cause == Cause::MemoryFull || cause == Cause::ShuttingDown;
+}
 
-HttpResponse respond(int status, std::string_view code, std::string_view title, std::string_view detail,
-                     std::string_view request_id, std::string_view field) {
-  Json json = {{"type", "urn:burnish:problem:" + std::string(code)},
-               {"title", title},
-               {"status", status},
-               {"detail", detail},
-               {"code", code},
-               {"requestId", request_id}};
-  if (!field.empty()) json["field"] = field;
-  // Foreign names may hold bytes that are not UTF-8; dump() would throw.
-  return {.status = status,
-          .headers = {{"Content-Type", "application/problem+json"},
-                      {"Burnish-Request-Id", std::string(request_id)}},
-          .body = json.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n"};
+std::string whole_seconds(std::chrono::milliseconds time) {
+  return std::to_string(std::max<std::int64_t>(1, std::chrono::ceil<std::chrono::seconds>(time).count()));
 }
 
 }  // namespace
 
-HttpResponse problem(const Error& error, std::string_view request_id) {
+HttpResponse problem(const Error& error, std::string_view request_id, std::optional<int> status) {
+  using Json = nlohmann::ordered_json;
   const StatusRow& row = status_of(error.cause);
-  HttpResponse response =
-      respond(row.http_status, cause_code(error.cause), row.title, error.message, request_id, error.field);
-  if (error.cause == Cause::QueueFull || error.cause == Cause::ShuttingDown) {
-    response.headers["Retry-After"] = "1";
-  }
+  const std::string code(cause_code(error.cause));
+  HttpResponse response{.status = status.value_or(row.http_status),
+                        .headers = {{"Content-Type", "application/problem+json"}}};
+  Json json = {{"type", "urn:burnish:problem:" + code},
+               {"title", row.title},
+               {"status", response.status},
+               {"detail", error.message},
+               {"code", code},
+               {"requestId", request_id}};
+  if (!error.field.empty()) json["field"] = error.field;
+  // Foreign names may hold bytes that are not UTF-8; dump() would throw.
+  response.body = json.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
+  if (may_help_to_retry(error.cause)) response.headers["Retry-After"] = whole_seconds(error.retry_after);
   return response;
-}
-
-HttpResponse bad_request(int status, std::string_view request_id) {
-  return respond(status, "bad_request", "Bad request", "the server cannot understand this HTTP request",
-                 request_id, "");
 }
 
 }  // namespace burnish

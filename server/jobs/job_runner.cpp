@@ -1,15 +1,26 @@
 #include "server/jobs/job_runner.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <exception>
+#include <string>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 namespace burnish {
+
+using namespace std::chrono_literals;
+using std::chrono::milliseconds;
+
 namespace {
 
 constexpr auto kNever = RunControl::Clock::time_point::max();
+constexpr std::chrono::milliseconds kTick{500};   // of the housekeeper
+constexpr std::chrono::seconds kMissedTicks{10};  // after which it counts as standing still
+/// A deadline is out of reach when so much of the expected time alone passes it: the estimate may be wrong,
+/// and a refusal must not be.
+constexpr double kSurely = 0.5;
 
 JobRunnerOptions with_workers(JobRunnerOptions options) {
   if (options.workers == 0) options.workers = std::max(1u, std::thread::hardware_concurrency());
@@ -36,38 +47,93 @@ Error deadline_while_queued() {
 
 struct JobHandle::Job {
   JobWork work;
+  JobCost cost;
   RunControl::Clock::time_point deadline = kNever;
   RunControl::Clock::time_point queued_at = {};
+  RunControl::Clock::time_point started_at = {};
+  RunControl::Clock::time_point overdue_from = kNever;  ///< when it should have ended
   std::stop_source stop = {};
 };
 
 void JobHandle::cancel() { runner_->cancel(job_); }
 
-JobRunner::JobRunner(const JobRunnerOptions& options) : options_(with_workers(options)) {
+JobRunner::JobRunner(const JobRunnerOptions& options)
+    : options_(with_workers(options)), last_tick_(Clock::now().time_since_epoch().count()) {
   for (unsigned i = 0; i < options_.workers; ++i) threads_.emplace_back([this] { work(); });
-  threads_.emplace_back([this] { watch_deadlines(); });
+  threads_.emplace_back([this] { keep_house(); });
 }
 
 JobRunner::~JobRunner() { drain(std::chrono::milliseconds::zero()); }
 
-Result<JobHandle> JobRunner::submit(JobWork work, std::optional<Clock::time_point> deadline) {
+Result<JobHandle> JobRunner::submit(JobWork work, const JobCost& cost,
+                                    std::optional<Clock::time_point> deadline) {
   auto job = std::make_shared<JobHandle::Job>();
   job->work = std::move(work);
+  job->cost = cost;
   job->deadline = deadline.value_or(kNever);
   job->queued_at = Clock::now();
 
   const std::lock_guard lock(mutex_);
-  if (drain_until_) return Error{Cause::ShuttingDown, "the server is shutting down"};
-  const std::size_t places = options_.queue + options_.workers - running_.size();
-  if (queue_.size() >= places) {
-    return Error{Cause::QueueFull,
-                 "every worker is busy and " + std::to_string(queue_.size()) + " jobs wait; try again later"};
-  }
+  if (auto admitted = admit(cost, deadline); !admitted) return std::move(admitted).error();
   queue_.push_back(job);
+  reserved_ += cost.bytes;
   ++pending_;
   job_waits_.notify_one();
   if (job->deadline != kNever) queue_changed_.notify_one();
   return JobHandle(std::move(job), this);
+}
+
+Result<> JobRunner::would_take(const JobCost& cost, std::optional<Clock::time_point> deadline) const {
+  const std::lock_guard lock(mutex_);
+  return admit(cost, deadline);
+}
+
+Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> deadline) const {
+  if (drain_until_) return Error{Cause::ShuttingDown, "the server is shutting down"};
+  if (cost.bytes > options_.max_memory) {
+    return Error{Cause::TooLarge, "the request is expected to need " + std::to_string(cost.bytes) +
+                                      " bytes of memory; the limit is " +
+                                      std::to_string(options_.max_memory) + " (max-memory)"};
+  }
+  const auto wait = expected_wait();
+  if (queue_.size() >= options_.queue + options_.workers - running_.size()) {
+    return Error{
+        Cause::QueueFull,
+        "every worker is busy and " + std::to_string(queue_.size()) + " jobs wait (queue); try again later",
+        "", wait};
+  }
+  if (reserved_ > options_.max_memory - cost.bytes) {
+    return Error{Cause::MemoryFull,
+                 "the jobs at hand need " + std::to_string(reserved_) + " of " +
+                     std::to_string(options_.max_memory) + " bytes (max-memory) and this one " +
+                     std::to_string(cost.bytes) + "; try again later",
+                 "", wait};
+  }
+  const auto own = pace_.expect(cost.work);
+  if (deadline && own &&
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(kSurely * (wait + *own)) > *deadline) {
+    return Error{Cause::DeadlineExceeded,
+                 "the jobs at hand and this one are expected to take " +
+                     std::to_string((wait + std::chrono::duration_cast<milliseconds>(*own)).count()) +
+                     " ms, longer than the deadline allows"};
+  }
+  return {};
+}
+
+/// Until a worker is free for one more job.
+milliseconds JobRunner::expected_wait() const {
+  const auto expected = [this](const JobPtr& job) {
+    return pace_.expect(job->cost.work).value_or(1s).count();
+  };
+  const auto now = Clock::now();
+  double seconds = 0;
+  for (const JobPtr& job : queue_) seconds += expected(job);
+  for (const JobPtr& job : running_) {
+    const std::chrono::duration<double> ran = now - job->started_at;
+    seconds += std::max(0.0, expected(job) - ran.count());
+  }
+  if (running_.size() + queue_.size() < options_.workers) return milliseconds::zero();
+  return milliseconds(static_cast<std::int64_t>(std::min(1000 * seconds / options_.workers, 3.6e6)));
 }
 
 void JobRunner::drain(std::chrono::milliseconds grace) {
@@ -106,6 +172,16 @@ std::size_t JobRunner::running() const {
   return running_.size();
 }
 
+std::uint64_t JobRunner::reserved_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return reserved_;
+}
+
+bool JobRunner::healthy() const {
+  const Clock::time_point last_tick{Clock::duration(last_tick_.load())};
+  return stuck_workers_ < options_.workers && Clock::now() - last_tick < kMissedTicks;
+}
+
 void JobRunner::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -122,21 +198,29 @@ void JobRunner::work() {
 }
 
 void JobRunner::run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job) {
+  job->started_at = Clock::now();
+  job->overdue_from = std::min(job->deadline, job->started_at + options_.longest_run);
   RunControl run;
   run.stop = job->stop.get_token();
-  if (job->deadline != kNever) run.deadline = job->deadline;
+  run.deadline = job->overdue_from;
   run.threads = running_.empty() && queue_.empty() ? options_.threads : 1;
   running_.push_back(job);
   lock.unlock();
 
-  const std::chrono::duration<double, std::milli> queued = Clock::now() - job->queued_at;
+  const std::chrono::duration<double, std::milli> queued = job->started_at - job->queued_at;
   call_guarded([&] { job->work.run(run, queued.count()); });
+  const bool stopped = run.stopped();
+  job->work = {};  // what the job held (a mesh) must not live as long as the last handle
 
   lock.lock();
   std::erase(running_, job);
-  lock.unlock();
-  job->work = {};  // what the job held (a mesh) must not live as long as the last handle
-  lock.lock();
+  if (!stopped) pace_.learn(job->cost.work, Clock::now() - job->started_at);
+  release(job);
+}
+
+/// An accepted job is over.
+void JobRunner::release(const JobPtr& job) {
+  reserved_ -= job->cost.bytes;
   --pending_;
   job_ended_.notify_all();
 }
@@ -150,21 +234,26 @@ void JobRunner::refuse(std::unique_lock<std::mutex>& lock, std::vector<JobPtr> j
     job->work = {};
   }
   lock.lock();
-  pending_ -= jobs.size();
-  job_ended_.notify_all();
+  for (const JobPtr& job : jobs) release(job);
 }
 
 void JobRunner::cancel(const JobPtr& job) {
   job->stop.request_stop();
   std::unique_lock lock(mutex_);
+  job->overdue_from = std::min(job->overdue_from, Clock::now());
   refuse(lock, {job}, {Cause::Cancelled, "the caller cancelled the job"});
 }
 
-void JobRunner::watch_deadlines() {
+/// Refuses waiting jobs at their deadlines and watches the workers.
+void JobRunner::keep_house() {
   std::unique_lock lock(mutex_);
   while (!stopping_) {
     const auto now = Clock::now();
-    auto next = kNever;
+    last_tick_ = now.time_since_epoch().count();
+    stuck_workers_ = static_cast<unsigned>(std::ranges::count_if(
+        running_,
+        [now, overrun = options_.overrun](const JobPtr& job) { return now - overrun > job->overdue_from; }));
+    auto next = now + kTick;
     std::vector<JobPtr> expired;
     for (const JobPtr& job : queue_) {
       if (job->deadline <= now) {
@@ -175,8 +264,6 @@ void JobRunner::watch_deadlines() {
     }
     if (!expired.empty()) {
       refuse(lock, std::move(expired), deadline_while_queued());
-    } else if (next == kNever) {
-      queue_changed_.wait(lock);
     } else {
       queue_changed_.wait_until(lock, next);
     }

@@ -1,6 +1,7 @@
 // The bounded queue and the worker pool, apart from both transports' threads.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "core/run/run_control.h"
+#include "server/jobs/pace.h"
 
 namespace burnish {
 
@@ -23,6 +25,12 @@ namespace burnish {
 struct JobWork {
   std::function<void(const RunControl& run, double queue_ms)> run;
   std::function<void(const Error& error)> refuse;
+};
+
+/// What a job is expected to take.
+struct JobCost {
+  std::uint64_t bytes = 0;  ///< of memory while it is in the server
+  double work = 0;          ///< proportional to its run time; 0 = not known
 };
 
 class JobRunner;
@@ -45,6 +53,11 @@ struct JobRunnerOptions {
   unsigned workers = 0;    ///< jobs that run at once; 0 = one per core
   std::size_t queue = 64;  ///< jobs that may wait; more are refused at once
   unsigned threads = 0;    ///< cores that one job may use when it is alone; 0 = all
+  std::uint64_t max_memory = std::uint64_t{4} << 30;  ///< sum of JobCost::bytes
+  std::chrono::milliseconds longest_run{600'000};     ///< of one job
+  /// A job that runs on for so long after its end was asked for counts as stuck; library calls that cannot be
+  /// interrupted take seconds.
+  std::chrono::milliseconds overrun{30'000};
 };
 
 /// One job runs on one core while others wait or run; a job that starts alone uses every core.
@@ -55,8 +68,14 @@ class JobRunner {
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
 
-  /// Queues a job. Errors: QueueFull, ShuttingDown; then neither function of `work` is called.
-  Result<JobHandle> submit(JobWork work, std::optional<RunControl::Clock::time_point> deadline);
+  /// Queues a job. Errors: QueueFull and MemoryFull with the time after which a place is expected,
+  /// ShuttingDown, TooLarge for a job that needs more than all memory, DeadlineExceeded when the jobs before
+  /// it are expected to take too long; then neither function of `work` is called.
+  Result<JobHandle> submit(JobWork work, const JobCost& cost,
+                           std::optional<RunControl::Clock::time_point> deadline);
+
+  /// What submit() would say now, for requests whose bytes are still to come.
+  Result<> would_take(const JobCost& cost, std::optional<RunControl::Clock::time_point> deadline) const;
 
   /// Refuses new jobs, lets accepted ones finish for up to `grace`, then refuses those that wait
   /// (ShuttingDown), trips the stop token of those that run, and joins the workers. Safe to repeat.
@@ -64,24 +83,38 @@ class JobRunner {
 
   std::size_t queued() const;
   std::size_t running() const;
+  std::size_t workers() const { return options_.workers; }
+  std::uint64_t reserved_bytes() const;  ///< sum of JobCost::bytes of accepted jobs
+
+  /// Whether its own threads still turn: false when every worker is held by a job that does not end although
+  /// it should have, or the housekeeper stands still. Never waits.
+  bool healthy() const;
+  unsigned stuck_workers() const { return stuck_workers_; }
 
  private:
   using Clock = RunControl::Clock;
   using JobPtr = std::shared_ptr<JobHandle::Job>;
   friend class JobHandle;
 
+  Result<> admit(const JobCost& cost, std::optional<Clock::time_point> deadline) const;
+  std::chrono::milliseconds expected_wait() const;
   void work();
   void run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job);
-  void watch_deadlines();
+  void keep_house();
   void cancel(const JobPtr& job);
   void refuse(std::unique_lock<std::mutex>& lock, std::vector<JobPtr> jobs, const Error& error);
   void wait_for_jobs(std::unique_lock<std::mutex>& lock);
+  void release(const JobPtr& job);
 
-  const JobRunnerOptions options_;  ///< workers resolved to at least one
-  mutable std::mutex mutex_;        ///< guards everything below and the state of every Job
+  const JobRunnerOptions options_;     ///< workers resolved to at least one
+  std::atomic<Clock::rep> last_tick_;  ///< of the housekeeper
+  std::atomic<unsigned> stuck_workers_ = 0;
+  mutable std::mutex mutex_;  ///< guards everything below and the state of every Job
   std::condition_variable job_waits_, queue_changed_, job_ended_;
   std::deque<JobPtr> queue_;
   std::vector<JobPtr> running_;
+  std::uint64_t reserved_ = 0;
+  Pace pace_;
   std::size_t pending_ = 0;                       ///< accepted jobs whose callback has not returned yet
   std::optional<Clock::time_point> drain_until_;  ///< set: no new jobs
   bool stopping_ = false;                         ///< threads leave

@@ -14,6 +14,9 @@ void fill(const ErrorMeasures& measures, std::string_view against, v1::MeshError
 void fill(const MeshChange& change, v1::MeshChange& out);
 void fill(const Encoded& encoded, Format format, v1::EncodingSummary& out);
 
+/// The warning that normals could not be compared.
+Warning connectivity_differs();
+
 /// Whether both files have the same vertices in the same triangles, so that normals can be compared one by
 /// one.
 bool same_connectivity(const Document& a, const Document& b);

@@ -1,34 +1,16 @@
 #include "server/service/smooth_service.h"
 
-#include <algorithm>
 #include <new>
+#include <string>
 
 #include "core/measure/error.h"
 #include "core/measure/quality.h"
+#include "server/service/loaded_mesh.h"
 #include "server/service/measures.h"
 #include "server/service/options.h"
 
 namespace burnish {
 namespace {
-
-class Stopwatch {
- public:
-  /// Milliseconds since the last call, or since construction.
-  double lap() {
-    const auto now = RunControl::Clock::now();
-    const std::chrono::duration<double, std::milli> passed = now - start_;
-    start_ = now;
-    return passed.count();
-  }
-
- private:
-  RunControl::Clock::time_point start_ = RunControl::Clock::now();
-};
-
-struct LoadedMesh {
-  std::unique_ptr<Document> document;
-  Surface surface;
-};
 
 /// The request in the order of its life: each stage fills its part of the report.
 class Pipeline {
@@ -58,44 +40,37 @@ class Pipeline {
   }
 
   Result<> load() {
-    if (auto loaded = load_one(job_.mesh, job_.format, input_); !loaded) return loaded;
+    enter(v1::SMOOTH_STAGE_DECODE);
+    auto input = load_mesh(job_.mesh, job_.format, "", limits_, run_, timings());
+    if (!input) return std::move(input).error();
+    input_ = std::move(*input);
     before_ = input_.surface.mesh.positions;
-    const Document& document = *input_.document;
-    add_warnings(surface_warnings(
-        input_.surface, [&](Index v) { return document.vertex_place(v); },
-        [&](Index t) { return document.triangle_place(t); }));
-    summarise(*report().mutable_input());
+    warn(input_.warnings());
+    input_.summarise(*report().mutable_input());
     if (job_.reference.empty()) return {};
-    auto loaded = load_one(job_.reference, job_.reference_format, reference_);
-    if (loaded) return {};
-    Error error = loaded.error();
-    error.message = "reference: " + error.message;
-    return error;
-  }
-
-  Result<> load_one(std::string_view bytes, std::optional<Format> format, LoadedMesh& mesh) {
-    Stopwatch watch;
-    auto document = decode(bytes, format, limits_, run_);
-    timings().set_decode_ms(timings().decode_ms() + watch.lap());
-    if (!document) return document.error();
-    mesh.document = std::move(*document);
-    auto surface = prepare_surface(mesh.document->positions(), mesh.document->triangles(), run_);
-    timings().set_prepare_ms(timings().prepare_ms() + watch.lap());
-    if (!surface) return surface.error();
-    mesh.surface = std::move(*surface);
+    auto reference =
+        load_mesh(job_.reference, job_.reference_format, "reference: ", limits_, run_, timings());
+    if (!reference) return std::move(reference).error();
+    reference_ = std::move(*reference);
     return {};
   }
 
   Result<> smooth() {
+    enter(v1::SMOOTH_STAGE_SMOOTH);
     Stopwatch watch;
-    auto outcome = options_.method->run(input_.surface, options_.parameters, run_);
+    RunControl run = run_;
+    if (job_.progress) {
+      run.progress = [this](double fraction) { job_.progress(v1::SMOOTH_STAGE_SMOOTH, fraction); };
+    }
+    auto outcome = options_.method->run(input_.surface, options_.parameters, run);
     if (!outcome) return outcome.error();
-    add_warnings(outcome->warnings);
+    warn(outcome->warnings);
     timings().set_smooth_ms(watch.lap());
     return {};
   }
 
   Result<> measure() {
+    enter(v1::SMOOTH_STAGE_MEASURE);
     Stopwatch watch;
     const auto& after = input_.surface.mesh.positions;
     const bool own = !reference_.document;
@@ -108,46 +83,34 @@ class Pipeline {
     const auto change = measure_change(input_.surface, before_, after, run_);
     if (!change) return change.error();
     fill(*change, *report().mutable_change());
-    if (!corresponding) {
-      add_warnings(
-          {{"connectivity_differs", "the reference has other triangles, so normals were not compared", 1}});
-    }
+    if (!corresponding) warn({connectivity_differs()});
     timings().set_measure_ms(watch.lap());
     return {};
   }
 
   Result<> encode() {
+    enter(v1::SMOOTH_STAGE_ENCODE);
     Stopwatch watch;
     const MovedPositions moved{input_.document->positions(), input_.surface.weld, before_,
                                input_.surface.mesh.positions, input_.surface.mesh.frame};
     auto encoded = burnish::encode(*input_.document, moved, options_.output, run_);
     if (!encoded) return encoded.error();
-    result_.mesh = std::move(encoded->bytes);
     result_.format = options_.output.format.value_or(input_.document->format());
-    summarise(*report().mutable_output());
+    input_.summarise(*report().mutable_output());
     if (encoded->vertices) report().mutable_output()->set_vertices(*encoded->vertices);
     if (encoded->triangles) report().mutable_output()->set_triangles(*encoded->triangles);
     fill(*encoded, result_.format, *report().mutable_encoding());
-    add_warnings(encoded->warnings);
+    result_.mesh = std::move(encoded->bytes);
+    warn(encoded->warnings);
     timings().set_encode_ms(watch.lap());
     return {};
   }
 
-  void summarise(v1::MeshSummary& summary) const {
-    summary.set_vertices(static_cast<std::uint32_t>(input_.document->positions().size()));
-    summary.set_triangles(static_cast<std::uint32_t>(input_.document->triangles().size()));
-    summary.set_boundary_edges(input_.surface.topology.boundary_edges);
-    summary.set_components(input_.surface.topology.components);
+  void enter(v1::SmoothStage stage) const {
+    if (job_.progress) job_.progress(stage, 0);
   }
 
-  void add_warnings(const std::vector<Warning>& warnings) {
-    for (const Warning& warning : warnings) {
-      v1::ReportWarning& out = *report().add_warnings();
-      out.set_code(warning.code);
-      out.set_message(warning.message);
-      out.set_count(warning.count);
-    }
-  }
+  void warn(const std::vector<Warning>& warnings) { add_warnings(warnings, *report().mutable_warnings()); }
 
   v1::SmoothReport& report() { return result_.report; }
   v1::StageTimings& timings() { return *result_.report.mutable_timings(); }
@@ -161,27 +124,45 @@ class Pipeline {
   SmoothResult result_;
 };
 
-Result<> check_size(std::string_view bytes, const char* what, const Limits& limits) {
-  if (bytes.size() <= limits.max_bytes) return {};
-  return Error{Cause::TooLarge, std::string(what) + " has " + std::to_string(bytes.size()) +
-                                    " bytes; the limit is " + std::to_string(limits.max_bytes)};
+}  // namespace
+
+Result<> SmoothService::check_size(std::uint64_t bytes, std::string_view what) const {
+  if (bytes <= limits_.mesh.max_bytes) return {};
+  return Error{Cause::TooLarge, std::string(what) + " has " + std::to_string(bytes) +
+                                    " bytes; the limit is " + std::to_string(limits_.mesh.max_bytes) +
+                                    " (max-bytes)"};
 }
 
-}  // namespace
+Result<> SmoothService::check(const v1::SmoothOptions& options) const {
+  if (const std::size_t bytes = options.ByteSizeLong(); bytes > limits_.max_option_bytes) {
+    return Error{Cause::TooLarge, "the options have " + std::to_string(bytes) + " bytes; the limit is " +
+                                      std::to_string(limits_.max_option_bytes) + " (max-option-bytes)"};
+  }
+  const auto resolved = resolve_options(options);
+  if (!resolved) return resolved.error();
+  const auto iterations = resolved->parameters.values.find("iterations");
+  if (iterations != resolved->parameters.values.end() &&
+      std::get<std::int64_t>(iterations->second) > limits_.max_iterations) {
+    return Error{Cause::BadOption,
+                 "iterations is " + std::to_string(std::get<std::int64_t>(iterations->second)) +
+                     "; the limit is " + std::to_string(limits_.max_iterations) + " (max-iterations)",
+                 "iterations"};
+  }
+  return {};
+}
 
 Result<> SmoothService::check(const SmoothJob& job) const {
   if (job.mesh.empty()) return Error{Cause::EmptyMesh, "the mesh has no bytes"};
-  if (auto fits = check_size(job.mesh, "the mesh", limits_); !fits) return fits;
-  if (auto fits = check_size(job.reference, "the reference", limits_); !fits) return fits;
-  if (auto options = resolve_options(job.options); !options) return options.error();
-  return {};
+  if (auto fits = check_size(job.mesh.size(), "the mesh"); !fits) return fits;
+  if (auto fits = check_size(job.reference.size(), "the reference"); !fits) return fits;
+  return check(job.options);
 }
 
 Result<SmoothResult> SmoothService::smooth(const SmoothJob& job, const RunControl& run) const {
   try {
     if (auto fine = check(job); !fine) return fine.error();
     const auto options = resolve_options(job.options);
-    return Pipeline(job, *options, limits_, run).process();
+    return Pipeline(job, *options, limits_.mesh, run).process();
   } catch (const std::bad_alloc&) {
     return Error{Cause::OutOfMemory, "the mesh needs more memory than there is"};
   } catch (const std::exception& failure) {

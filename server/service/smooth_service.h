@@ -2,6 +2,7 @@
 // line's local mode all call this, so their results are the same bytes.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include "burnish/v1/smoothing.pb.h"
 #include "core/io/codec.h"
 #include "core/run/run_control.h"
+#include "server/service/limits.h"
 
 namespace burnish {
 
@@ -21,6 +23,8 @@ struct SmoothJob {
   v1::SmoothOptions options = {};
   std::string request_id = {};
   double queue_ms = 0;  ///< time spent waiting, for the report
+  /// Called as each stage starts, and during smoothing, on the thread that runs the job; must not block.
+  std::function<void(v1::SmoothStage stage, double fraction)> progress = {};
 };
 
 struct SmoothResult {
@@ -29,24 +33,43 @@ struct SmoothResult {
   v1::SmoothReport report;
 };
 
+/// Two meshes to measure. The views must stay alive until compare() returns.
+struct CompareJob {
+  std::string_view reference;
+  std::optional<Format> reference_format = {};
+  std::string_view mesh;
+  std::optional<Format> format = {};
+  std::string request_id = {};
+  double queue_ms = 0;
+};
+
 /// Stateless; safe to call from many threads at once.
 class SmoothService {
  public:
-  explicit SmoothService(Limits limits = {}) : limits_(limits) {}
+  explicit SmoothService(RequestLimits limits = {}) : limits_(limits) {}
 
   /// Checks what can be checked without decoding: sizes, method, parameters, output options. Cheap, so
   /// transports call it before they queue. Errors: TooLarge, EmptyMesh, UnknownMethod, UnknownOption,
   /// BadOption.
   Result<> check(const SmoothJob& job) const;
+  Result<> check(const CompareJob& job) const;
+  /// The part of it that needs no mesh, for requests whose bytes are still to come.
+  Result<> check(const v1::SmoothOptions& options) const;
+  Result<> check_size(std::uint64_t bytes, std::string_view what) const;
 
   /// Decodes, prepares, smooths, measures, encodes; every stage timed and stoppable. Never throws.
   /// Errors: those of check(), decode(), encode(), and Cancelled, DeadlineExceeded, OutOfMemory, Internal.
   Result<SmoothResult> smooth(const SmoothJob& job, const RunControl& run) const;
 
-  const Limits& limits() const { return limits_; }
+  /// The error table of `mesh` against `reference`. Connectivity may differ; the measures that need it equal
+  /// are then unset. Never throws. Errors: those of check(), decode(), Cancelled, DeadlineExceeded,
+  /// OutOfMemory, Internal; those of a mesh say which ("reference: ...").
+  Result<v1::CompareResponse> compare(const CompareJob& job, const RunControl& run) const;
+
+  const RequestLimits& limits() const { return limits_; }
 
  private:
-  Limits limits_;
+  RequestLimits limits_;
 };
 
 /// "0.1.0"

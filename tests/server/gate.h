@@ -5,7 +5,7 @@
 #include <mutex>
 #include <string>
 
-#include "server/jobs/smooth_jobs.h"
+#include "server/jobs/jobs.h"
 
 namespace burnish::testing {
 

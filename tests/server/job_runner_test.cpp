@@ -1,5 +1,6 @@
 #include "server/jobs/job_runner.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -15,6 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = RunControl::Clock;
 using testing::Gate;
+using ::testing::HasSubstr;
 
 /// How a job ended: the cause that refused or stopped it, or nothing when it finished.
 using Ending = std::optional<Cause>;
@@ -37,10 +39,10 @@ TEST(JobRunner, RefusesWhenFull) {
   Gate gate;
   GatedJob running, waiting, refused;
   JobRunner runner({.workers = 1, .queue = 1});
-  ASSERT_TRUE(runner.submit(running.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(running.work(gate), {}, {}).ok());
   gate.wait_for(1);
-  ASSERT_TRUE(runner.submit(waiting.work(gate), {}).ok());
-  const auto third = runner.submit(refused.work(gate), {});
+  ASSERT_TRUE(runner.submit(waiting.work(gate), {}, {}).ok());
+  const auto third = runner.submit(refused.work(gate), {}, {});
   ASSERT_FALSE(third.ok());
   EXPECT_EQ(third.error().cause, Cause::QueueFull);
   EXPECT_EQ(runner.running(), 1u);
@@ -56,8 +58,8 @@ TEST(JobRunner, TakesAJobForAnIdleWorkerEvenWithoutAQueue) {
   Gate gate;
   GatedJob first, second;
   JobRunner runner({.workers = 1, .queue = 0});
-  ASSERT_TRUE(runner.submit(first.work(gate), {}).ok());
-  EXPECT_EQ(runner.submit(second.work(gate), {}).error().cause, Cause::QueueFull);
+  ASSERT_TRUE(runner.submit(first.work(gate), {}, {}).ok());
+  EXPECT_EQ(runner.submit(second.work(gate), {}, {}).error().cause, Cause::QueueFull);
   gate.open();
   EXPECT_EQ(first.end.get(), Ending());
 }
@@ -66,9 +68,9 @@ TEST(JobRunner, RefusesACancelledQueuedJobAtOnce) {
   Gate gate;
   GatedJob running, waiting;
   JobRunner runner({.workers = 1, .queue = 1});
-  ASSERT_TRUE(runner.submit(running.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(running.work(gate), {}, {}).ok());
   gate.wait_for(1);
-  auto handle = runner.submit(waiting.work(gate), {});
+  auto handle = runner.submit(waiting.work(gate), {}, {});
   ASSERT_TRUE(handle.ok());
   handle->cancel();
   EXPECT_EQ(waiting.end.get(), Ending(Cause::Cancelled));
@@ -82,7 +84,7 @@ TEST(JobRunner, StopsACancelledRunningJob) {
   Gate gate;
   GatedJob job;
   JobRunner runner({.workers = 1});
-  auto handle = runner.submit(job.work(gate), {});
+  auto handle = runner.submit(job.work(gate), {}, {});
   gate.wait_for(1);
   handle->cancel();
   EXPECT_EQ(job.end.get(), Ending(Cause::Cancelled));
@@ -92,10 +94,10 @@ TEST(JobRunner, RefusesAQueuedJobAtItsDeadlineWhileAllWorkersAreBusy) {
   Gate gate;
   GatedJob running, waiting;
   JobRunner runner({.workers = 1, .queue = 1});
-  ASSERT_TRUE(runner.submit(running.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(running.work(gate), {}, {}).ok());
   gate.wait_for(1);
   const auto deadline = Clock::now() + 30ms;
-  ASSERT_TRUE(runner.submit(waiting.work(gate), deadline).ok());
+  ASSERT_TRUE(runner.submit(waiting.work(gate), {}, deadline).ok());
   EXPECT_EQ(waiting.end.get(), Ending(Cause::DeadlineExceeded));
   EXPECT_GE(Clock::now(), deadline);
   EXPECT_EQ(runner.running(), 1u) << "the worker is still busy";
@@ -107,7 +109,7 @@ TEST(JobRunner, StopsARunningJobAtItsDeadline) {
   Gate gate;
   GatedJob job;
   JobRunner runner({.workers = 1});
-  ASSERT_TRUE(runner.submit(job.work(gate), Clock::now() + 200ms).ok());
+  ASSERT_TRUE(runner.submit(job.work(gate), {}, Clock::now() + 200ms).ok());
   EXPECT_EQ(job.end.get(), Ending(Cause::DeadlineExceeded));
 }
 
@@ -115,7 +117,7 @@ TEST(JobRunner, DoesNotRunAJobWhoseDeadlineHasPassed) {
   Gate gate;
   GatedJob job;
   JobRunner runner({.workers = 1});
-  ASSERT_TRUE(runner.submit(job.work(gate), Clock::now() - 1s).ok());
+  ASSERT_TRUE(runner.submit(job.work(gate), {}, Clock::now() - 1s).ok());
   EXPECT_EQ(job.end.get(), Ending(Cause::DeadlineExceeded));
 }
 
@@ -123,14 +125,14 @@ TEST(JobRunner, DrainFinishesAcceptedJobsAndRefusesNewOnes) {
   Gate gate;
   GatedJob running, waiting, late;
   JobRunner runner({.workers = 1, .queue = 4});
-  ASSERT_TRUE(runner.submit(running.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(running.work(gate), {}, {}).ok());
   gate.wait_for(1);
-  ASSERT_TRUE(runner.submit(waiting.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(waiting.work(gate), {}, {}).ok());
   auto drained = std::async(std::launch::async, [&] { runner.drain(60s); });
   std::optional<Error> refusal;
   ASSERT_TRUE(testing::eventually([&] {
     const auto result =
-        runner.submit({.run = [](const RunControl&, double) {}, .refuse = [](const Error&) {}}, {});
+        runner.submit({.run = [](const RunControl&, double) {}, .refuse = [](const Error&) {}}, {}, {});
     if (!result) refusal = result.error();
     return refusal && refusal->cause == Cause::ShuttingDown;
   }));
@@ -144,9 +146,9 @@ TEST(JobRunner, EndOfGraceStopsRunningJobsAndRefusesWaitingOnes) {
   Gate gate;
   GatedJob running, waiting;
   JobRunner runner({.workers = 1, .queue = 4});
-  ASSERT_TRUE(runner.submit(running.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(running.work(gate), {}, {}).ok());
   gate.wait_for(1);
-  ASSERT_TRUE(runner.submit(waiting.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(waiting.work(gate), {}, {}).ok());
   runner.drain(10ms);
   EXPECT_EQ(running.end.get(), Ending(Cause::Cancelled));
   EXPECT_EQ(waiting.end.get(), Ending(Cause::ShuttingDown));
@@ -156,7 +158,7 @@ TEST(JobRunner, ASecondDrainCutsTheGraceShort) {
   Gate gate;
   GatedJob job;
   JobRunner runner({.workers = 1});
-  ASSERT_TRUE(runner.submit(job.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(job.work(gate), {}, {}).ok());
   gate.wait_for(1);
   auto drained = std::async(std::launch::async, [&] { runner.drain(1h); });
   runner.drain(0ms);
@@ -176,9 +178,9 @@ TEST(JobRunner, GivesAllCoresToAJobThatStartsAloneAndOneOtherwise) {
                        },
                    .refuse = [](const Error&) {}};
   };
-  ASSERT_TRUE(runner.submit(report_threads(first), {}).ok());
+  ASSERT_TRUE(runner.submit(report_threads(first), {}, {}).ok());
   EXPECT_EQ(first.get_future().get(), 7u);
-  ASSERT_TRUE(runner.submit(report_threads(second), {}).ok());
+  ASSERT_TRUE(runner.submit(report_threads(second), {}, {}).ok());
   EXPECT_EQ(second.get_future().get(), 1u);
   gate.open();
 }
@@ -190,10 +192,10 @@ TEST(JobRunner, SurvivesACallbackThatThrows) {
   ASSERT_TRUE(runner
                   .submit({.run = [](const RunControl&, double) { throw std::runtime_error("on purpose"); },
                            .refuse = [](const Error&) {}},
-                          {})
+                          {}, {})
                   .ok());
   gate.open();
-  ASSERT_TRUE(runner.submit(after.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(after.work(gate), {}, {}).ok());
   EXPECT_EQ(after.end.get(), Ending());
 }
 
@@ -202,13 +204,13 @@ TEST(JobRunner, TellsHowLongAJobWaited) {
   GatedJob blocker;
   std::promise<double> waited;
   JobRunner runner({.workers = 1, .queue = 1});
-  ASSERT_TRUE(runner.submit(blocker.work(gate), {}).ok());
+  ASSERT_TRUE(runner.submit(blocker.work(gate), {}, {}).ok());
   gate.wait_for(1);
   const auto queued_at = Clock::now();
   ASSERT_TRUE(runner
                   .submit({.run = [&](const RunControl&, double queue_ms) { waited.set_value(queue_ms); },
                            .refuse = [](const Error&) {}},
-                          {})
+                          {}, {})
                   .ok());
   EXPECT_TRUE(testing::eventually([&] { return Clock::now() > queued_at + 20ms; }));
   gate.open();
@@ -227,7 +229,7 @@ TEST(JobRunner, CallsExactlyOneCallbackPerJobUnderStress) {
     for (;;) {
       auto handle = runner.submit({.run = [&count](const RunControl&, double) { ++count; },
                                    .refuse = [&count](const Error&) { ++count; }},
-                                  deadline);
+                                  {}, deadline);
       if (handle) {
         ++accepted;
         if (job % 2 == 0) handle->cancel();
@@ -258,6 +260,125 @@ TEST(JobRunner, CallsExactlyOneCallbackPerJobUnderStress) {
   }
   EXPECT_EQ(called, accepted) << "every accepted job, and no other, has its one callback";
   EXPECT_EQ(runner.queued() + runner.running(), 0u);
+}
+
+TEST(JobRunner, RefusesWhatTheMemoryOfTheJobsAtHandLeavesNoRoomFor) {
+  Gate gate;
+  GatedJob large, second, small;
+  JobRunner runner({.workers = 1, .queue = 8, .max_memory = 1000});
+  ASSERT_TRUE(runner.submit(large.work(gate), {.bytes = 700}, {}).ok());
+  const auto refused = runner.submit(second.work(gate), {.bytes = 301}, {});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().cause, Cause::MemoryFull);
+  EXPECT_THAT(refused.error().message, HasSubstr("(max-memory)"));
+  ASSERT_TRUE(runner.submit(small.work(gate), {.bytes = 300}, {}).ok());
+  EXPECT_EQ(runner.reserved_bytes(), 1000u);
+  gate.open();
+  EXPECT_EQ(large.end.get(), Ending());
+  EXPECT_EQ(small.end.get(), Ending());
+  EXPECT_TRUE(testing::eventually([&] { return runner.reserved_bytes() == 0; }));
+  EXPECT_TRUE(runner.would_take({.bytes = 1000}, {}).ok());
+}
+
+TEST(JobRunner, SaysThatAJobWhichNeedsMoreThanAllMemoryIsTooLarge) {
+  JobRunner runner({.workers = 1, .max_memory = 1000});
+  const auto refused = runner.would_take({.bytes = 1001}, {});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().cause, Cause::TooLarge);
+  EXPECT_THAT(refused.error().message, HasSubstr("(max-memory)"));
+}
+
+TEST(JobRunner, GivesBackTheMemoryOfJobsThatNeverRan) {
+  Gate gate;
+  GatedJob running, cancelled;
+  JobRunner runner({.workers = 1, .queue = 4, .max_memory = 1000});
+  ASSERT_TRUE(runner.submit(running.work(gate), {.bytes = 1}, {}).ok());
+  gate.wait_for(1);
+  auto handle = runner.submit(cancelled.work(gate), {.bytes = 999}, {});
+  ASSERT_TRUE(handle.ok());
+  handle->cancel();
+  EXPECT_EQ(runner.reserved_bytes(), 1u);
+  gate.open();
+  EXPECT_EQ(running.end.get(), Ending());
+}
+
+/// A runner with one busy worker that has learned that a unit of work takes `per_work` or a little more.
+struct BusyRunner {
+  explicit BusyRunner(std::chrono::milliseconds per_work, std::size_t queue = 8)
+      : runner({.workers = 1, .queue = queue}) {
+    std::promise<void> learned;
+    const auto take_a_while = [&](const RunControl&, double) {
+      const auto end = Clock::now() + per_work;
+      testing::eventually([end] { return Clock::now() >= end; });
+      learned.set_value();
+    };
+    EXPECT_TRUE(runner.submit({take_a_while, [](const Error&) {}}, {.work = 1}, {}).ok());
+    learned.get_future().wait();
+    EXPECT_TRUE(testing::eventually([this] { return runner.running() == 0; }));
+    EXPECT_TRUE(runner.submit(running.work(gate), {.work = 1000}, {}).ok());
+    gate.wait_for(1);
+  }
+  ~BusyRunner() { gate.open(); }
+
+  Gate gate;
+  GatedJob running;
+  JobRunner runner;
+};
+
+TEST(JobRunner, RefusesADeadlineThatTheJobsAtHandLeaveNoTimeFor) {
+  BusyRunner busy(20ms);  // the job that runs is expected to take 20 s
+  const auto soon = busy.runner.would_take({.work = 1}, Clock::now() + 2s);
+  ASSERT_FALSE(soon.ok());
+  EXPECT_EQ(soon.error().cause, Cause::DeadlineExceeded);
+  EXPECT_TRUE(busy.runner.would_take({.work = 1}, Clock::now() + 10min).ok());
+  EXPECT_TRUE(busy.runner.would_take({.work = 1}, {}).ok());
+}
+
+TEST(JobRunner, RefusesADeadlineThatTheJobItselfCannotMeet) {
+  Gate gate;
+  BusyRunner busy(20ms);
+  EXPECT_FALSE(busy.runner.would_take({.work = 1e6}, Clock::now() + 10min).ok()) << "it takes hours";
+}
+
+TEST(JobRunner, TellsWhenAPlaceIsExpectedByTheWorkOfTheJobsAtHand) {
+  BusyRunner busy(20ms, 0);
+  const auto full = busy.runner.would_take({.work = 1}, {});
+  ASSERT_FALSE(full.ok());
+  EXPECT_EQ(full.error().cause, Cause::QueueFull);
+  EXPECT_GE(full.error().retry_after, 15s);
+  EXPECT_LE(full.error().retry_after, 1h);
+}
+
+TEST(JobRunner, BoundsEveryRun) {
+  Gate gate;
+  GatedJob job;
+  JobRunner runner({.workers = 1, .longest_run = 20ms});
+  ASSERT_TRUE(runner.submit(job.work(gate), {}, {}).ok());
+  EXPECT_EQ(job.end.get(), Ending(Cause::DeadlineExceeded));
+}
+
+TEST(JobRunner, IsHealthyUntilEveryWorkerIsHeldByAJobThatDoesNotEnd) {
+  std::promise<void> let_go;
+  const auto blocker = [held = let_go.get_future().share()](const RunControl&, double) { held.wait(); };
+  JobRunner runner({.workers = 2, .queue = 8, .longest_run = 1ms, .overrun = 5ms});
+  EXPECT_TRUE(runner.healthy());
+  ASSERT_TRUE(runner.submit({blocker, [](const Error&) {}}, {}, {}).ok());
+  ASSERT_TRUE(testing::eventually([&] { return runner.stuck_workers() == 1; }));
+  EXPECT_TRUE(runner.healthy()) << "one worker still turns";
+  ASSERT_TRUE(runner.submit({blocker, [](const Error&) {}}, {}, {}).ok());
+  EXPECT_TRUE(testing::eventually([&] { return !runner.healthy(); }));
+  let_go.set_value();
+  EXPECT_TRUE(testing::eventually([&] { return runner.healthy(); })) << "it recovers";
+}
+
+TEST(JobRunner, StaysHealthyUnderAFullQueue) {
+  Gate gate;
+  std::vector<GatedJob> jobs(9);
+  JobRunner runner({.workers = 1, .queue = 8});
+  for (GatedJob& job : jobs) ASSERT_TRUE(runner.submit(job.work(gate), {}, {}).ok());
+  EXPECT_TRUE(runner.healthy());
+  gate.open();
+  for (GatedJob& job : jobs) EXPECT_EQ(job.end.get(), Ending());
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/service/compare.h"
 #include "server/service/options.h"
 #include "server/service/smooth_service.h"
 #include "server/status_map.h"
@@ -22,9 +21,11 @@ const std::string& clean() {
   return kMesh;
 }
 
-Result<SmoothResult> smooth(const SmoothJob& job, const Limits& limits = {}) {
+Result<SmoothResult> smooth(const SmoothJob& job, const RequestLimits& limits = {}) {
   return SmoothService(limits).smooth(job, {});
 }
+
+Result<v1::CompareResponse> compare(const CompareJob& job) { return SmoothService().compare(job, {}); }
 
 std::vector<std::string> codes(const v1::SmoothReport& report) {
   std::vector<std::string> result;
@@ -65,11 +66,70 @@ TEST(SmoothService, MeasuresAgainstTheReferenceThatWasSent) {
   ASSERT_TRUE(result);
   EXPECT_EQ(result->report.errors().against(), "reference");
   EXPECT_TRUE(result->report.errors().has_mean_normal_degrees());
-  const auto before = compare_meshes(clean(), noisy(), {}, {});
-  const auto after = compare_meshes(clean(), result->mesh, {}, {});
+  const auto before = compare({.reference = clean(), .mesh = noisy()});
+  const auto after = compare({.reference = clean(), .mesh = result->mesh});
   ASSERT_TRUE(before && after);
-  EXPECT_LT(after->ev(), 0.6 * before->ev());
-  EXPECT_NEAR(after->ev(), result->report.errors().ev(), 1e-6 * after->ev());
+  EXPECT_LT(after->errors().ev(), 0.6 * before->errors().ev());
+  EXPECT_NEAR(after->errors().ev(), result->report.errors().ev(), 1e-6 * after->errors().ev());
+}
+
+TEST(SmoothService, ComparesMeshesAndTellsWhatTheyAre) {
+  const std::string coarse = to_obj(sphere(2));
+  const auto same = compare({.reference = clean(), .mesh = noisy(), .request_id = "r2", .queue_ms = 3});
+  ASSERT_TRUE(same);
+  EXPECT_EQ(same->errors().against(), "reference");
+  EXPECT_TRUE(same->errors().has_mean_normal_degrees());
+  EXPECT_EQ(same->mesh().triangles(), 1280U);
+  EXPECT_EQ(same->request_id(), "r2");
+  EXPECT_GE(same->timings().total_ms(), 3 + same->timings().decode_ms() + same->timings().measure_ms());
+  EXPECT_EQ(same->warnings_size(), 0);
+  const auto other = compare({.reference = coarse, .mesh = noisy()});
+  ASSERT_TRUE(other);
+  EXPECT_FALSE(other->errors().has_flipped_triangles());
+  EXPECT_GT(other->errors().ev(), 0);
+  EXPECT_EQ(other->reference().triangles(), 320U);
+  EXPECT_EQ(other->warnings(0).code(), "connectivity_differs");
+}
+
+TEST(SmoothService, SaysWhichOfTheComparedMeshesIsBad) {
+  const auto bad_reference = compare({.reference = "v 0 0\n", .mesh = noisy()});
+  ASSERT_FALSE(bad_reference);
+  EXPECT_THAT(bad_reference.error().message, ::testing::StartsWith("reference: "));
+  const auto bad_mesh = compare({.reference = clean(), .mesh = "v 0 0\n"});
+  ASSERT_FALSE(bad_mesh);
+  EXPECT_THAT(bad_mesh.error().message, ::testing::StartsWith("mesh: "));
+  EXPECT_EQ(compare({.reference = "", .mesh = noisy()}).error().cause, Cause::EmptyMesh);
+  EXPECT_EQ(compare({.reference = clean(), .mesh = ""}).error().cause, Cause::EmptyMesh);
+}
+
+TEST(SmoothService, HoldsTheLimitsOfIterationsAndOptions) {
+  const SmoothService service({.max_iterations = 50, .max_option_bytes = 200});
+  v1::SmoothOptions options;
+  options.set_iterations(50);
+  EXPECT_TRUE(service.check(options));
+  options.set_iterations(51);
+  const auto many = service.check(options);
+  ASSERT_FALSE(many);
+  EXPECT_EQ(many.error().field, "iterations");
+  EXPECT_THAT(many.error().message, HasSubstr("(max-iterations)"));
+  options.set_iterations(1);
+  (*options.mutable_parameters())["boundary"].set_string_value(std::string(200, 'x'));
+  const auto large = service.check(options);
+  ASSERT_FALSE(large);
+  EXPECT_EQ(large.error().cause, Cause::TooLarge);
+  EXPECT_THAT(large.error().message, HasSubstr("(max-option-bytes)"));
+}
+
+TEST(SmoothService, TellsItsProgressStageByStage) {
+  std::vector<std::pair<v1::SmoothStage, double>> seen;
+  const auto result = smooth({.mesh = noisy(), .progress = [&](v1::SmoothStage stage, double done) {
+                                seen.emplace_back(stage, done);
+                              }});
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(std::ranges::is_sorted(seen)) << "stages in their order, each from 0 to 1";
+  EXPECT_EQ(seen.front(), std::pair(v1::SMOOTH_STAGE_DECODE, 0.0));
+  EXPECT_EQ(seen.back().first, v1::SMOOTH_STAGE_ENCODE);
+  EXPECT_THAT(seen, ::testing::Contains(std::pair(v1::SMOOTH_STAGE_SMOOTH, 1.0)));
 }
 
 TEST(SmoothService, ComparesWithAReferenceOfOtherConnectivity) {
@@ -113,9 +173,9 @@ TEST(SmoothService, ConvertsBetweenItsFormats) {
   const auto obj = smooth(to_obj_again);
   ASSERT_TRUE(obj);
   const auto direct = smooth({.mesh = noisy()});
-  const auto difference = compare_meshes(direct->mesh, obj->mesh, {}, {});
+  const auto difference = compare({.reference = direct->mesh, .mesh = obj->mesh});
   ASSERT_TRUE(difference);
-  EXPECT_LT(difference->max_distance(), 2e-7);
+  EXPECT_LT(difference->errors().max_distance(), 2e-7);
 }
 
 TEST(SmoothService, StatesTheQuantisationErrorOfItsEncoding) {
@@ -175,7 +235,7 @@ TEST(SmoothService, RefusesBadOptionsByNameBeforeItReadsTheMesh) {
 }
 
 TEST(SmoothService, HoldsItsLimitsForMeshAndReference) {
-  const Limits small{.max_bytes = 100};
+  const RequestLimits small{.mesh = {.max_bytes = 100}};
   EXPECT_EQ(smooth({.mesh = noisy()}, small).error().cause, Cause::TooLarge);
   EXPECT_THAT(smooth({.mesh = "v 0 0 0", .reference = noisy()}, small).error().message,
               HasSubstr("the reference has"));

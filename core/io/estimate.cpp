@@ -1,0 +1,123 @@
+#include "core/io/estimate.h"
+
+#include <algorithm>
+
+#include "core/io/draco_header.h"
+
+namespace burnish {
+namespace {
+
+// Bytes of memory per thing in the file. Measured as the peak of `burnish smooth --threads 1` over that of a
+// mesh of one triangle, with 20 thousand to 1.5 million triangles: OBJ with and without normals and texture
+// coordinates, of triangles, quads and unshared vertices, and both Draco methods, lossless and quantised,
+// written as they were and as the other format. From 200 thousand triangles on these give 0.97 to 2 times the
+// peak in the same format, and 0.83 times where quantised Draco with normals and texture coordinates becomes
+// OBJ.
+constexpr double kObjVertex = 70, kObjTriangle = 180, kObjRow = 45, kObjCitingTriangle = 24, kObjByte = 1;
+constexpr double kDracoPoint = 90, kDracoTriangle = 250, kDracoByte = 3;
+// The same per byte of the file for those that are largest on disk: text, or lossless floats, with
+// everything.
+constexpr double kLeastPerObjByte = 2.5, kObjBytesPerTriangle = 110;
+constexpr double kLeastPerDracoByte = 9, kDracoBytesPerTriangle = 25;
+
+constexpr std::size_t kWindows = 64, kWindowBytes = 1024;
+
+std::uint64_t whole(double count) { return static_cast<std::uint64_t>(std::clamp(count, 0.0, 0x1p63)); }
+
+Estimate make_estimate(double memory, double triangles) { return {whole(memory), whole(triangles)}; }
+
+/// What the lines of an OBJ are, as far as they were looked at.
+class LineSample {
+ public:
+  /// Counts the lines that stand whole in [begin, end) of the text.
+  void look_at(std::string_view text, std::size_t begin, std::size_t end) {
+    if (begin > 0) begin = next_line(text, begin, end);
+    while (begin < end) {
+      const std::size_t next = next_line(text, begin, end);
+      if (next == end && end < text.size()) return;
+      count(text.substr(begin, next - begin));
+      begin = next;
+    }
+  }
+
+  Estimate scaled_to(std::size_t size) const {
+    const double scale = static_cast<double>(size) / std::max(bytes_, 1.0);
+    const double per_triangle = kObjTriangle + (rows_ > 0 ? kObjCitingTriangle : 0);
+    const double memory = vertices_ * kObjVertex + triangles_ * per_triangle + rows_ * kObjRow;
+    return make_estimate(memory * scale + static_cast<double>(size) * kObjByte, triangles_ * scale);
+  }
+
+  bool empty() const { return bytes_ == 0; }
+
+ private:
+  static std::size_t next_line(std::string_view text, std::size_t begin, std::size_t end) {
+    const std::size_t stop = text.substr(0, end).find_first_of("\r\n", begin);
+    return stop == std::string_view::npos ? end : stop + 1;
+  }
+
+  void count(std::string_view line) {
+    bytes_ += static_cast<double>(line.size());
+    const auto starts = [&](std::string_view keyword) {
+      return line.starts_with(keyword) && line.size() > keyword.size() && is_blank(line[keyword.size()]);
+    };
+    if (starts("v")) vertices_ += 1;
+    if (starts("vt") || starts("vn")) rows_ += 1;
+    if (starts("f")) triangles_ += std::max(0.0, words(line) - 3);
+  }
+
+  static bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+  static double words(std::string_view line) {
+    double words = 0;
+    bool inside = false;
+    for (const char c : line) {
+      const bool blank = is_blank(c) || c == '\r' || c == '\n';
+      if (!blank && !inside) words += 1;
+      inside = !blank;
+    }
+    return words;
+  }
+
+  double bytes_ = 0, vertices_ = 0, triangles_ = 0, rows_ = 0;
+};
+
+Estimate estimate_obj(std::string_view text) {
+  LineSample sample;
+  if (text.size() <= kWindows * kWindowBytes) {
+    sample.look_at(text, 0, text.size());
+  } else {
+    const std::size_t last = text.size() - kWindowBytes;
+    for (std::size_t w = 0; w < kWindows; ++w) {
+      const std::size_t begin = last / (kWindows - 1) * w;
+      sample.look_at(text, begin, begin + kWindowBytes);
+    }
+  }
+  return sample.empty() ? estimate(text.size(), Format::Obj) : sample.scaled_to(text.size());
+}
+
+Estimate estimate_draco(std::string_view bytes) {
+  const auto counts = peek_counts(bytes);
+  if (!counts) return estimate(bytes.size(), Format::Draco);
+  const double points = counts->points, triangles = counts->triangles;
+  return make_estimate(
+      points * kDracoPoint + triangles * kDracoTriangle + static_cast<double>(bytes.size()) * kDracoByte,
+      triangles);
+}
+
+}  // namespace
+
+Estimate estimate(std::string_view bytes, std::optional<Format> format) {
+  if (!format) format = detect_format(bytes);
+  if (!format) return estimate(bytes.size(), std::nullopt);
+  return *format == Format::Obj ? estimate_obj(bytes) : estimate_draco(bytes);
+}
+
+Estimate estimate(std::uint64_t bytes, std::optional<Format> format) {
+  const auto size = static_cast<double>(bytes);
+  if (format == Format::Draco) {
+    return make_estimate(size * kLeastPerDracoByte, size / kDracoBytesPerTriangle);
+  }
+  return make_estimate(size * kLeastPerObjByte, size / kObjBytesPerTriangle);
+}
+
+}  // namespace burnish

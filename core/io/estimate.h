@@ -1,0 +1,28 @@
+// What a file will take, told from its size and header before anything is decoded.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/io/codec.h"
+
+namespace burnish {
+
+struct Estimate {
+  /// Peak of decoding, smoothing, measuring and encoding in either format; the file's own bytes apart.
+  std::uint64_t memory_bytes = 0;
+  std::uint64_t triangles = 0;  ///< about
+};
+
+/// Reads 64 KiB at most: of a Draco file the declared counts, of an OBJ a sample of its lines. Well-formed
+/// files are hardly underestimated and at most taken for twice what they are; estimate.cpp says how that was
+/// measured. What a hostile file hides from it is bounded by Limits alone. Bytes that are no mesh give what
+/// their size would give. Thread-safe; never throws.
+Estimate estimate(std::string_view bytes, std::optional<Format> format);
+
+/// Before the bytes are there: the least that well-formed files of this size take, so that nothing is refused
+/// which would fit. Unset: the cheaper format.
+Estimate estimate(std::uint64_t bytes, std::optional<Format> format);
+
+}  // namespace burnish

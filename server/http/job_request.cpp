@@ -1,0 +1,176 @@
+#include "server/http/job_request.h"
+
+#include <algorithm>
+#include <charconv>
+#include <initializer_list>
+#include <string>
+
+#include "server/http/media_type.h"
+#include "server/http/options_json.h"
+#include "server/http/smooth_answer.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::uint64_t kFormFraming = 64 << 10;  // boundaries and part headers
+
+/// The parts of a form by their names.
+class Form {
+ public:
+  /// Errors: UnknownOption for another name than `names`, BadOption for one given twice.
+  static Result<Form> read(const std::vector<FormPart>& parts, std::initializer_list<std::string_view> names) {
+    Form form;
+    for (const FormPart& part : parts) {
+      if (std::ranges::find(names, part.name) == names.end()) {
+        return Error{Cause::UnknownOption, "there is no part '" + part.name + "'", part.name};
+      }
+      if (!form.parts_.emplace(part.name, &part).second) {
+        return Error{Cause::BadOption, "part '" + part.name + "' is given more than once", part.name};
+      }
+    }
+    return form;
+  }
+
+  const FormPart* find(std::string_view name) const {
+    const auto found = parts_.find(name);
+    return found == parts_.end() ? nullptr : found->second;
+  }
+
+  /// Fills the bytes and the format of a mesh. Errors: BadOption, EmptyMesh, UnsupportedFormat.
+  Result<> read_mesh(const std::string& name, std::string_view& bytes, std::optional<Format>& format) const {
+    const FormPart* const part = find(name);
+    if (!part) return Error{Cause::BadOption, "part '" + name + "' is missing", name};
+    if (part->content.bytes.empty()) {
+      return Error{Cause::EmptyMesh, "part '" + name + "' has no bytes", name};
+    }
+    const auto told = mesh_format(part->content_type);
+    if (!told) return Error{told.error().cause, "part '" + name + "': " + told.error().message, name};
+    bytes = part->content.bytes;
+    format = *told;
+    return {};
+  }
+
+ private:
+  std::map<std::string_view, const FormPart*> parts_;
+};
+
+Result<JobRequest<SmoothJob>> read_smooth_form(const HttpRequest& request, const SmoothService& service) {
+  const auto form = Form::read(request.parts, {"mesh", "reference", "options"});
+  if (!form) return form.error();
+  JobRequest<SmoothJob> read;
+  SmoothJob& job = read.job;
+  if (auto mesh = form->read_mesh("mesh", job.mesh, job.format); !mesh) return mesh.error();
+  if (form->find("reference")) {
+    const auto reference = form->read_mesh("reference", job.reference, job.reference_format);
+    if (!reference) return reference.error();
+  }
+  const FormPart* const part = form->find("options");
+  if (part) {
+    const auto alone =
+        check_only_timeout(request.query, Cause::BadOption, "belongs into the part 'options' of this request");
+    if (!alone) return alone.error();
+  }
+  auto options = part ? parse_options_json(part->content.bytes, service) : parse_query_options(request.query);
+  if (!options) return options.error();
+  job.options = *std::move(options);
+  return read;
+}
+
+Result<JobRequest<SmoothJob>> read_smooth_body(const HttpRequest& request) {
+  const auto format = mesh_format(request.header("Content-Type"));
+  if (!format) return format.error();
+  auto options = parse_query_options(request.query);
+  if (!options) return options.error();
+  JobRequest<SmoothJob> read;
+  read.job.mesh = request.body.bytes;
+  read.job.format = *format;
+  read.job.options = *std::move(options);
+  return read;
+}
+
+/// The transport undoes gzip.
+Result<> check_encoding(const HttpRequest& head) {
+  const std::string encoding = media_type(head.header("Content-Encoding"));
+  if (encoding.empty() || encoding == "identity" || encoding == "gzip") return {};
+  return Error{Cause::UnsupportedFormat,
+               "Content-Encoding '" + encoding + "' is not supported; send gzip or the bytes as they are"};
+}
+
+/// How a form's bytes are shared out is not known yet: as the mesh first, the rest as the reference. Errors:
+/// TooLarge.
+Result<ExpectedJob> expect_bytes(const HttpRequest& head, const RequestLimits& limits) {
+  ExpectedJob expected;
+  const std::string_view digits = head.header("Content-Length");
+  std::from_chars(digits.data(), digits.data() + digits.size(), expected.mesh_bytes);
+  if (!is_form(head.header("Content-Type"))) return expected;
+  const std::uint64_t length = expected.mesh_bytes, one = limits.mesh.max_bytes;
+  const std::uint64_t most = 2 * one + limits.max_option_bytes + kFormFraming;
+  if (length > most) {
+    return Error{Cause::TooLarge, "the form has " + std::to_string(length) +
+                                      " bytes; two meshes at their limit (max-bytes) have " +
+                                      std::to_string(most)};
+  }
+  expected.mesh_bytes = std::min(length, one);
+  expected.reference_bytes = std::min(length - expected.mesh_bytes, one);
+  return expected;
+}
+
+Result<ExpectedJob> expect(const HttpRequest& head, const RequestLimits& limits) {
+  if (auto plain = check_encoding(head); !plain) return plain.error();
+  const auto timeout = parse_timeout(head.query);
+  if (!timeout) return timeout.error();
+  auto expected = expect_bytes(head, limits);
+  if (expected) expected->timeout = *timeout;
+  return expected;
+}
+
+Result<> check_compare_head(const HttpRequest& head) {
+  if (!is_form(head.header("Content-Type"))) {
+    return Error{Cause::UnsupportedFormat,
+                 "to compare takes multipart/form-data with the parts 'reference' and 'mesh'"};
+  }
+  return check_only_timeout(head.query, Cause::UnknownOption, "does not exist here; there is timeout_ms");
+}
+
+}  // namespace
+
+Result<JobRequest<SmoothJob>> read_smooth(const HttpRequest& request, const SmoothService& service) {
+  const bool form = is_form(request.header("Content-Type"));
+  auto read = form ? read_smooth_form(request, service) : read_smooth_body(request);
+  const auto timeout = parse_timeout(request.query);
+  if (!timeout) return timeout.error();
+  if (read) read->timeout = *timeout;
+  return read;
+}
+
+Result<ExpectedJob> expect_smooth(const HttpRequest& head, const SmoothService& service) {
+  if (auto type = choose_smooth_answer(head.header("Accept"), {}); !type) return type.error();
+  if (!is_form(head.header("Content-Type"))) {  // a form's options are in its body
+    const auto read = read_smooth_body(head);
+    if (!read) return read.error();
+    if (auto fine = service.check(read->job.options); !fine) return fine.error();
+  }
+  return expect(head, service.limits());
+}
+
+Result<JobRequest<CompareJob>> read_compare(const HttpRequest& request) {
+  if (auto fine = check_compare_head(request); !fine) return fine.error();
+  const auto form = Form::read(request.parts, {"reference", "mesh"});
+  if (!form) return form.error();
+  JobRequest<CompareJob> read;
+  CompareJob& job = read.job;
+  const auto reference = form->read_mesh("reference", job.reference, job.reference_format);
+  if (!reference) return reference.error();
+  if (auto mesh = form->read_mesh("mesh", job.mesh, job.format); !mesh) return mesh.error();
+  const auto timeout = parse_timeout(request.query);
+  if (!timeout) return timeout.error();
+  read.timeout = *timeout;
+  return read;
+}
+
+Result<ExpectedJob> expect_compare(const HttpRequest& head, const RequestLimits& limits) {
+  if (auto fine = check_compare_head(head); !fine) return fine.error();
+  return expect(head, limits);
+}
+
+}  // namespace burnish

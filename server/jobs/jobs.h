@@ -1,0 +1,92 @@
+// What both transports do with a request to smooth or to compare: check, queue, run, count, log, answer.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/jobs/job_runner.h"
+#include "server/jobs/spool.h"
+#include "server/lifecycle.h"
+#include "server/observe/metrics.h"
+#include "server/service/smooth_service.h"
+
+namespace burnish {
+
+/// Sixteen random hexadecimal digits.
+std::string new_request_id();
+
+/// Who asks, for the log and the metrics.
+struct Caller {
+  Transport transport = Transport::Grpc;
+  Kind kind = Kind::Smooth;  ///< of what was refused; smooth() and compare() know theirs
+  std::string request_id = new_request_id();
+  std::string trace_id = {};  ///< of a W3C traceparent; empty: none
+  std::optional<RunControl::Clock::time_point> deadline = {};
+};
+
+using SmoothFunction = std::function<Result<SmoothResult>(const SmoothJob&, const RunControl&)>;
+
+/// Thread-safe; its arguments must outlive it, and the runner must be drained before it goes.
+class Jobs {
+ public:
+  using Clock = RunControl::Clock;
+  template <class Answer>
+  using Done = std::function<void(Result<Answer>)>;
+
+  /// `smooth` stands in for service.smooth() in tests.
+  Jobs(const SmoothService& service, JobRunner& runner, Spool& spool, const Lifecycle& lifecycle,
+       Metrics& metrics, SmoothFunction smooth = {});
+
+  /// Calls `done` exactly once: on this thread before it returns when the job is refused (then there is no
+  /// handle), else on a worker, or on the thread that cancels or refuses the waiting job. What job's views
+  /// point to must live until then: keep it in `done`. Sets the job's request_id. Errors: those of
+  /// SmoothService and JobRunner::submit().
+  std::optional<JobHandle> smooth(const Caller& caller, SmoothJob job, Done<SmoothResult> done);
+  std::optional<JobHandle> compare(const Caller& caller, CompareJob job, Done<v1::CompareResponse> done);
+
+  /// Whether a request of `bytes` (0: not known yet) that starts to arrive now has a chance, so that one that
+  /// has none is refused before its bytes are read. Errors: ShuttingDown, TooLarge, QueueFull, MemoryFull,
+  /// DeadlineExceeded.
+  Result<> expect(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const;
+
+  /// Counts and logs a request that its transport refused before it became a job.
+  void record_refusal(const Caller& caller, const Error& error);
+
+  /// A tiny mesh through the queue, a worker and the service; what readiness rests on at start.
+  Result<> self_test();
+
+  /// Where transports keep the bytes that arrive.
+  Spool& spool() { return spool_; }
+  const SmoothService& service() const { return service_; }
+  const RequestLimits& limits() const { return service_.limits(); }
+  /// Takes work: the lifecycle says so and the workers turn. Never waits.
+  bool serving() const { return lifecycle_.serving() && runner_.healthy(); }
+  std::string metrics_text();
+
+ private:
+  template <class Job, class Answer>
+  struct Call;
+  template <class Job, class Answer>
+  std::optional<JobHandle> submit(const Caller& caller, Job job, Done<Answer> done);
+  template <class Job>
+  Result<> admit(const Job& job) const;
+  template <class Job, class Answer>
+  void run(Call<Job, Answer>& call, const RunControl& control, double queue_ms);
+  template <class Job, class Answer>
+  void finish(Call<Job, Answer>& call, Result<Answer> result);
+  Result<SmoothResult> perform(const SmoothJob& job, const RunControl& run) const;
+  Result<v1::CompareResponse> perform(const CompareJob& job, const RunControl& run) const;
+
+  const SmoothService& service_;
+  JobRunner& runner_;
+  Spool& spool_;
+  const Lifecycle& lifecycle_;
+  Metrics& metrics_;
+  const SmoothFunction smooth_;
+};
+
+}  // namespace burnish

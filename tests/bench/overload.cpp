@@ -1,0 +1,155 @@
+// Loads a running burnishd with many callers at once and prints what became of them, once with as many
+// callers as it takes and once with ten times as many: goodput, how fast the surplus was refused, and the
+// server's memory.
+//   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66]
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <mutex>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/smoothing_client.h"
+#include "tests/server/raw_http.h"
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+enum class Ending { Done, Refused, Failed };
+
+struct Answer {
+  Ending ending = Ending::Failed;
+  double retry_seconds = 0;  ///< of a refusal; 0: it named none
+};
+
+using Call = std::function<Answer()>;
+
+struct Tally {
+  std::mutex mutex;
+  std::vector<double> done, refused;  ///< seconds each
+  std::size_t failed = 0, without_retry = 0;
+};
+
+std::string read_file(const std::string& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+double resident_megabytes(const std::string& pid) {
+  std::ifstream status("/proc/" + pid + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::strtod(line.c_str() + 6, nullptr) / 1024;
+  }
+  return 0;
+}
+
+Call over_http(int port, const std::string& mesh) {
+  return [port, &mesh, connection = std::make_shared<std::unique_ptr<burnish::testing::RawHttp>>()] {
+    if (!*connection) *connection = std::make_unique<burnish::testing::RawHttp>(port);
+    (*connection)->send_request("POST", "/v1/smooth", mesh);
+    const auto response = (*connection)->read_response();
+    const auto field = [&response](const char* name) {
+      const auto found = response.headers.find(name);
+      return found == response.headers.end() ? std::string() : found->second;
+    };
+    if (response.status == 0 || field("Connection") == "close") connection->reset();
+    if (response.status == 200) return Answer{Ending::Done};
+    if (response.status != 429 && response.status != 503) return Answer{};
+    return Answer{Ending::Refused, std::strtod(field("Retry-After").c_str(), nullptr)};
+  };
+}
+
+Call over_grpc(const burnish::client::SmoothingClient& client, const std::string& mesh) {
+  return [&client, &mesh] {
+    burnish::v1::SmoothRequest request;
+    request.set_mesh(mesh);
+    const auto answer = client.smooth(request, {.retry = {.attempts = 1}});
+    if (answer) return Answer{Ending::Done};
+    const auto& error = answer.error();
+    if (error.cause != "queue_full" && error.cause != "memory_full") return Answer{};
+    return Answer{Ending::Refused, Seconds(error.retry_after).count()};
+  };
+}
+
+/// One caller: asks again as soon as it is answered, or when it was told to.
+void call_until(Clock::time_point end, const Call& call, Tally& tally) {
+  while (Clock::now() < end) {
+    const auto start = Clock::now();
+    const Answer answer = call();
+    const double took = Seconds(Clock::now() - start).count();
+    {
+      const std::lock_guard lock(tally.mutex);
+      if (answer.ending == Ending::Done) tally.done.push_back(took);
+      if (answer.ending == Ending::Refused) tally.refused.push_back(took);
+      tally.failed += answer.ending == Ending::Failed;
+      tally.without_retry += answer.ending == Ending::Refused && answer.retry_seconds <= 0;
+    }
+    if (answer.ending == Ending::Refused) {
+      std::this_thread::sleep_until(std::min(
+          end, Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(answer.retry_seconds))));
+    }
+  }
+}
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+void load(const char* name, int callers, double seconds, const std::string& pid,
+          const std::function<Call()>& new_call) {
+  Tally tally;
+  const double before = resident_megabytes(pid);
+  std::atomic<double> most = before;
+  const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < callers; ++i) {
+      threads.emplace_back([&] { call_until(end, new_call(), tally); });
+    }
+    while (Clock::now() < end) {
+      most = std::max(most.load(), resident_megabytes(pid));
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  std::printf(
+      "%-6s %4d callers: %6.1f answers/s, %zu refused (%zu without a retry time), %zu failed; answered in "
+      "%.0f ms "
+      "(median), refused in %.1f ms (median), %.1f ms (99%%); resident %.0f -> %.0f -> %.0f MB\n",
+      name, callers, static_cast<double>(tally.done.size()) / seconds, tally.refused.size(),
+      tally.without_retry, tally.failed, 1000 * quantile(tally.done, 0.5),
+      1000 * quantile(tally.refused, 0.5), 1000 * quantile(tally.refused, 0.99), before, most.load(),
+      resident_megabytes(pid));
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 5) {
+    std::fprintf(stderr, "usage: overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS] [CALLERS]\n");
+    return 2;
+  }
+  const int port = std::atoi(argv[1]);
+  const burnish::client::SmoothingClient client(argv[2]);
+  const std::string mesh = read_file(argv[4]);
+  const double seconds = argc > 5 ? std::strtod(argv[5], nullptr) : 60;
+  const int callers = argc > 6 ? std::atoi(argv[6]) : 66;
+  for (const int times : {1, 10}) {
+    load("http", times * callers, seconds, argv[3], [&] { return over_http(port, mesh); });
+  }
+  for (const int times : {1, 10}) {
+    load("grpc", times * callers, seconds, argv[3], [&] { return over_grpc(client, mesh); });
+  }
+}

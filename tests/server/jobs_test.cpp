@@ -1,0 +1,111 @@
+#include "server/jobs/jobs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "tests/server/gate.h"
+#include "tests/support/eventually.h"
+#include "tests/support/shapes.h"
+
+namespace burnish {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Gate;
+using ::testing::HasSubstr;
+
+struct House {
+  explicit House(const RequestLimits& limits = {}, const JobRunnerOptions& options = {.workers = 1},
+                 SmoothFunction smooth = {})
+      : service(limits),
+        runner(options),
+        jobs(service, runner, spool, lifecycle, metrics, std::move(smooth)) {
+    lifecycle.move_to(LifecycleState::Serving);
+  }
+
+  /// What became of a request to smooth.
+  std::future<Result<SmoothResult>> smooth(SmoothJob job, const Caller& caller = {}) {
+    auto promise = std::make_shared<std::promise<Result<SmoothResult>>>();
+    auto future = promise->get_future();
+    jobs.smooth(caller, std::move(job),
+                [promise](Result<SmoothResult> result) { promise->set_value(std::move(result)); });
+    return future;
+  }
+
+  SmoothService service;
+  Lifecycle lifecycle;
+  Metrics metrics;
+  Spool spool;
+  JobRunner runner;
+  Jobs jobs;
+};
+
+const std::string& mesh() {
+  static const std::string kMesh = testing::to_obj(testing::sphere(3));
+  return kMesh;
+}
+
+TEST(Jobs, SmoothsAndComparesUnderTheCallersName) {
+  House house;
+  const auto smoothed = house.smooth({.mesh = mesh()}, {.request_id = "mine"}).get();
+  ASSERT_TRUE(smoothed.ok());
+  EXPECT_EQ(smoothed->report.request_id(), "mine");
+  std::promise<Result<v1::CompareResponse>> ended;
+  house.jobs.compare({.request_id = "other"}, {.reference = mesh(), .mesh = smoothed->mesh},
+                     [&](Result<v1::CompareResponse> result) { ended.set_value(std::move(result)); });
+  const auto compared = ended.get_future().get();
+  ASSERT_TRUE(compared.ok());
+  EXPECT_EQ(compared->request_id(), "other");
+  EXPECT_GT(compared->errors().ev(), 0);
+}
+
+TEST(Jobs, RefuseByEstimatedMemoryBeforeAnythingIsDecoded) {
+  House house({}, {.workers = 1, .max_memory = 1000});
+  const auto refused = house.smooth({.mesh = mesh()}).get();
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().cause, Cause::TooLarge);
+  EXPECT_THAT(refused.error().message, HasSubstr("(max-memory)"));
+}
+
+TEST(Jobs, ExpectWhatSubmitWillSay) {
+  Gate gate;
+  House house({.mesh = {.max_bytes = 1000}}, {.workers = 1, .queue = 0}, gate.smoother());
+  EXPECT_TRUE(house.jobs.expect({}, 1000, 1000).ok());
+  const auto large = house.jobs.expect({}, 1001, 0);
+  ASSERT_FALSE(large.ok());
+  EXPECT_EQ(large.error().cause, Cause::TooLarge);
+  EXPECT_EQ(house.jobs.expect({}, 0, 1001).error().cause, Cause::TooLarge);
+  auto running = house.smooth({.mesh = "v 0 0 0\n"});
+  gate.wait_for(1);
+  EXPECT_EQ(house.jobs.expect({}, 0, 0).error().cause, Cause::QueueFull);
+  gate.open();
+  EXPECT_TRUE(running.get().ok());
+  house.lifecycle.move_to(LifecycleState::Draining);
+  EXPECT_EQ(house.jobs.expect({}, 0, 0).error().cause, Cause::ShuttingDown);
+}
+
+TEST(Jobs, SelfTestGoesThroughAWorkerAndFailsWhenThereIsNone) {
+  House house;
+  EXPECT_TRUE(house.jobs.self_test().ok());
+  house.runner.drain(0ms);
+  EXPECT_FALSE(house.jobs.self_test().ok());
+}
+
+TEST(Jobs, DoNotServeOnceTheWorkersAreStuck) {
+  std::promise<void> let_go;
+  const auto stuck = [held = let_go.get_future().share()](const SmoothJob&, const RunControl&) {
+    held.wait();
+    return Result<SmoothResult>(SmoothResult());
+  };
+  House house({}, {.workers = 1, .longest_run = 1ms, .overrun = 5ms}, stuck);
+  EXPECT_TRUE(house.jobs.serving());
+  auto held = house.smooth({.mesh = mesh()});
+  EXPECT_TRUE(testing::eventually([&] { return !house.jobs.serving(); }));
+  let_go.set_value();
+  EXPECT_TRUE(testing::eventually([&] { return house.jobs.serving(); }));
+}
+
+}  // namespace
+}  // namespace burnish
