@@ -12,13 +12,13 @@ namespace {
 
 /// What Eq. 1 asks of a neighbour. Apart from Plane, so that each pass gathers only what it needs.
 struct Face {
-  Vec3f area_normal;  // cross product of two edges: normal times twice the area
+  SimdVec3 area_normal;  // cross product of two edges: normal times twice the area
   float twice_area = 0;
 };
 
 /// What Eq. 2 asks of a triangle at the vertex.
 struct Plane {
-  Vec3f expected_normal, centroid;
+  SimdVec3 expected_normal, centroid;
 };
 
 /// Below this share of the summed areas the weighted normals cancel out, and their sum is only rounding.
@@ -39,7 +39,7 @@ class Adaptive {
     per_squared_scale_ = scale > 0 ? 1 / (scale * scale) : 0;
   }
 
-  bool advance(std::span<const Vec3f> from, std::span<Vec3f> to) {
+  bool advance(std::span<const SimdVec3> from, std::span<SimdVec3> to) {
     return for_each_face([&](std::size_t f) { measure(from, f); }) &&
            for_each_face([&](std::size_t f) { planes_[f].expected_normal = expected_normal(f); }) &&
            parallel_for(from.size(), run_, [&](std::size_t begin, std::size_t end) {
@@ -59,17 +59,17 @@ class Adaptive {
     });
   }
 
-  void measure(std::span<const Vec3f> from, std::size_t f) {
+  void measure(std::span<const SimdVec3> from, std::size_t f) {
     const Triangle& t = surface_.mesh.triangles[f];
-    const Vec3f &a = from[t[0]], &b = from[t[1]], &c = from[t[2]];
-    const Vec3f area_normal = cross(b - a, c - a);
+    const SimdVec3 a = from[t[0]], b = from[t[1]], c = from[t[2]];
+    const SimdVec3 area_normal = cross(b - a, c - a);
     faces_[f] = {area_normal, length(area_normal)};
     planes_[f].centroid = (a + b + c) * (1.0F / 3.0F);
   }
 
   /// m(R), Eq. 1: sum of A(S) n(S) over sum of A(S); n(R) where the neighbours cancel out or there are none.
-  Vec3f expected_normal(std::size_t f) const {
-    Vec3f sum;
+  SimdVec3 expected_normal(std::size_t f) const {
+    SimdVec3 sum;
     float areas = 0;
     const auto add = [&](Index neighbour, bool opposed) {
       const Face& face = faces_[neighbour];
@@ -91,7 +91,7 @@ class Adaptive {
     const float size = length(sum);
     if (size <= kVanishing * areas || areas == 0) {
       const Face& own = faces_[f];
-      return own.twice_area > 0 ? own.area_normal * (1 / own.twice_area) : Vec3f{};
+      return own.twice_area > 0 ? own.area_normal * (1 / own.twice_area) : SimdVec3{};
     }
     return sum * (1 / (params_.normals == AdaptiveParams::Normals::Unit ? size : areas));
   }
@@ -117,8 +117,8 @@ class Adaptive {
   }
 
   /// V, Eq. 2: the mean of [PC . m(R)] m(R) over the triangles R at P.
-  Vec3f offset(const Vec3f& p, std::size_t v) const {
-    Vec3f sum;
+  SimdVec3 offset(SimdVec3 p, std::size_t v) const {
+    SimdVec3 sum;
     float weights = 0;
     for (const Index f : topology_.vertex_faces[v]) {
       const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? faces_[f].twice_area : 1.0F;
@@ -126,27 +126,28 @@ class Adaptive {
       sum += m * (weight * dot(centroid - p, m));
       weights += weight;
     }
-    return weights > 0 ? sum * (1 / weights) : Vec3f{};
+    return weights > 0 ? sum * (1 / weights) : SimdVec3{};
   }
 
   /// d = g(x), x = |U|^2 / scale^2, Eq. 3 to 7.
-  double coefficient(std::span<const Vec3f> from, std::size_t v) const {
-    const Vec3f u = params_.umbrella == AdaptiveParams::Umbrella::Uniform ? umbrella(from, topology_, v)
-                                                                          : inverse_length_umbrella(from, v);
+  double coefficient(std::span<const SimdVec3> from, std::size_t v) const {
+    const SimdVec3 u = params_.umbrella == AdaptiveParams::Umbrella::Uniform
+                           ? umbrella(from, topology_, v)
+                           : inverse_length_umbrella(from, v);
     return offset_coefficient(params_, static_cast<double>(dot(u, u)) * per_squared_scale_);
   }
 
-  Vec3f inverse_length_umbrella(std::span<const Vec3f> from, std::size_t v) const {
-    Vec3f sum;
+  SimdVec3 inverse_length_umbrella(std::span<const SimdVec3> from, std::size_t v) const {
+    SimdVec3 sum;
     float weights = 0;
     for (const Index w : topology_.vertex_neighbours[v]) {
-      const Vec3f way = from[w] - from[v];
+      const SimdVec3 way = from[w] - from[v];
       const float distance = length(way);
       if (distance == 0) continue;  // a neighbour in the same place pulls nowhere
       sum += way * (1 / distance);
       weights += 1 / distance;
     }
-    return weights > 0 ? sum * (1 / weights) : Vec3f{};
+    return weights > 0 ? sum * (1 / weights) : SimdVec3{};
   }
 
   const Surface& surface_;

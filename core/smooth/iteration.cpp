@@ -1,5 +1,6 @@
 #include "core/smooth/iteration.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -15,8 +16,8 @@ constexpr float kFarthest = 1e6F;
 /// file.
 constexpr double kTextSlack = 0x1p-22;
 
-bool bounded(const Vec3f& p) {  // false for NaN too
-  return std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest && std::abs(p.z) <= kFarthest;
+bool bounded(SimdVec3 p) {  // false for NaN too
+  return std::abs(p.x()) <= kFarthest && std::abs(p.y()) <= kFarthest && std::abs(p.z()) <= kFarthest;
 }
 
 /// The point on the way from `home` to `p` that is at most `limit` from home, after rounding to float.
@@ -83,8 +84,8 @@ std::vector<std::uint8_t> movable_vertices(const Topology& topology, BoundaryRul
 Result<SmoothOutcome> iterate(Surface& surface, std::span<const std::uint8_t> movable,
                               const IterationOptions& options, const RunControl& run,
                               const Advance& advance) {
-  const std::vector<Vec3f>& home = surface.mesh.positions;
-  std::vector<Vec3f> from = home, to = home;
+  std::vector<Vec3f>& home = surface.mesh.positions;
+  std::vector<SimdVec3> from(home.begin(), home.end()), to = from;
   const bool limited = options.max_displacement > 0;
   const double limit = std::max(0.0, options.max_displacement - kTextSlack);
   SmoothOutcome outcome;
@@ -96,7 +97,7 @@ Result<SmoothOutcome> iterate(Surface& surface, std::span<const std::uint8_t> mo
       for (std::size_t v = begin; v < end; ++v) {
         if (!movable[v]) continue;
         fine &= bounded(to[v]);
-        if (limited) to[v] = pull_back(home[v], to[v], limit);
+        if (limited) to[v] = SimdVec3(pull_back(home[v], to[v].vec3(), limit));
       }
       if (!fine) diverged.store(true, std::memory_order_relaxed);
     });
@@ -112,7 +113,7 @@ Result<SmoothOutcome> iterate(Surface& surface, std::span<const std::uint8_t> mo
     from.swap(to);
     run.report((outcome.iterations + 1.0) / options.iterations);
   }
-  surface.mesh.positions = std::move(from);
+  std::ranges::transform(from, home.begin(), &SimdVec3::vec3);
   return outcome;
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <span>
 
+#include "core/mesh/simd_vec3.h"
 #include "core/smooth/registry.h"
 
 namespace burnish {
@@ -32,7 +33,7 @@ std::vector<std::uint8_t> movable_vertices(const Topology& topology, BoundaryRul
 
 /// Computes one iteration: reads every position of `from`, writes those of movable vertices to `to`.
 /// False when it stopped half-way. Entries of `to` for other vertices are already right.
-using Advance = std::function<bool(std::span<const Vec3f> from, std::span<Vec3f> to)>;
+using Advance = std::function<bool(std::span<const SimdVec3> from, std::span<SimdVec3> to)>;
 
 /// The loop: advance, bound displacements, check that all is finite, report progress. Writes back last.
 /// Diverging positions end the loop at the last good iteration, with the warning "diverged".

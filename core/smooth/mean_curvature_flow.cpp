@@ -14,9 +14,9 @@ struct FaceWeights {
   float area;
 };
 
-FaceWeights face_weights(const Triangle& t, std::span<const Vec3f> positions, float largest) {
+FaceWeights face_weights(const Triangle& t, std::span<const SimdVec3> positions, float largest) {
   FaceWeights weights{};
-  const Vec3f p[3] = {positions[t[0]], positions[t[1]], positions[t[2]]};
+  const SimdVec3 p[3] = {positions[t[0]], positions[t[1]], positions[t[2]]};
   const float twice_area = length(cross(p[1] - p[0], p[2] - p[0]));
   weights.area = twice_area * 0.5F;
   if (twice_area == 0) return weights;  // no direction to flow in
@@ -29,9 +29,9 @@ FaceWeights face_weights(const Triangle& t, std::span<const Vec3f> positions, fl
 
 int corner_of(const Triangle& t, std::size_t vertex) { return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2; }
 
-Vec3f flow_step(const Surface& surface, std::span<const FaceWeights> weights, std::span<const Vec3f> from,
-                std::size_t vertex, float time_step) {
-  Vec3f pull;
+SimdVec3 flow_step(const Surface& surface, std::span<const FaceWeights> weights,
+                   std::span<const SimdVec3> from, std::size_t vertex, float time_step) {
+  SimdVec3 pull;
   float total = 0, mass = 0;
   for (const Index f : surface.topology.vertex_faces[vertex]) {
     const Triangle& t = surface.mesh.triangles[f];
@@ -56,7 +56,7 @@ Result<SmoothOutcome> smooth_mean_curvature_flow(Surface& surface, const MeanCur
   const float time_step = static_cast<float>(params.time_step * surface.mean_edge * surface.mean_edge);
   const float largest = static_cast<float>(params.largest_cotangent);
   std::vector<FaceWeights> weights(surface.mesh.triangles.size());
-  return iterate(surface, movable, options, run, [&](std::span<const Vec3f> from, std::span<Vec3f> to) {
+  return iterate(surface, movable, options, run, [&](std::span<const SimdVec3> from, std::span<SimdVec3> to) {
     return parallel_for(weights.size(), run,
                         [&](std::size_t begin, std::size_t end) {
                           for (std::size_t f = begin; f < end; ++f) {

@@ -9,7 +9,7 @@ Result<SmoothOutcome> smooth_taubin(Surface& surface, const TaubinParams& params
                                     const IterationOptions& options, const RunControl& run) {
   const auto movable = movable_vertices(surface.topology, options.boundary);
   const float lambda = static_cast<float>(params.lambda), mu = static_cast<float>(params.mu);
-  std::vector<Vec3f> shrunk = surface.mesh.positions;
+  std::vector<SimdVec3> shrunk(surface.mesh.positions.begin(), surface.mesh.positions.end());
   return iterate(surface, movable, options, run, [&](auto from, auto to) {
     return umbrella_step(surface, movable, lambda, from, shrunk, run) &&
            umbrella_step(surface, movable, mu, shrunk, to, run);

@@ -7,8 +7,8 @@ namespace {
 
 /// Half the sum of the ways to the two vertices along the boundary. An inner edge may join two boundary
 /// vertices, so the triangle's side says whether an edge is open, not its ends.
-Vec3f boundary_umbrella(const Surface& surface, std::span<const Vec3f> positions, std::size_t vertex) {
-  Vec3f sum;
+SimdVec3 boundary_umbrella(const Surface& surface, std::span<const SimdVec3> positions, std::size_t vertex) {
+  SimdVec3 sum;
   for (const Index f : surface.topology.vertex_faces[vertex]) {
     const Triangle& triangle = surface.mesh.triangles[f];
     for (std::size_t side = 0; side < 3; ++side) {
@@ -24,13 +24,13 @@ Vec3f boundary_umbrella(const Surface& surface, std::span<const Vec3f> positions
 }  // namespace
 
 bool umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
-                   std::span<const Vec3f> from, std::span<Vec3f> to, const RunControl& run) {
+                   std::span<const SimdVec3> from, std::span<SimdVec3> to, const RunControl& run) {
   const Topology& topology = surface.topology;
   return parallel_for(from.size(), run, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       if (!movable[v]) continue;
       const bool open = topology.has(static_cast<Index>(v), kBoundaryVertex);
-      const Vec3f u = open ? boundary_umbrella(surface, from, v) : umbrella(from, topology, v);
+      const SimdVec3 u = open ? boundary_umbrella(surface, from, v) : umbrella(from, topology, v);
       to[v] = from[v] + u * factor;
     }
   });

@@ -5,15 +5,16 @@
 //      SIGGRAPH 1998, 105-114.
 #pragma once
 
+#include "core/mesh/simd_vec3.h"
 #include "core/mesh/surface.h"
 
 namespace burnish {
 
 /// U(v) (Eq. 3, w = 1): mean of the neighbours minus v; zero for an isolated vertex.
-inline Vec3f umbrella(std::span<const Vec3f> positions, const Topology& topology, std::size_t vertex) {
+inline SimdVec3 umbrella(std::span<const SimdVec3> positions, const Topology& topology, std::size_t vertex) {
   const auto neighbours = topology.vertex_neighbours[vertex];
   if (neighbours.empty()) return {};
-  Vec3f sum;
+  SimdVec3 sum;
   for (const Index w : neighbours) sum += positions[w] - positions[vertex];
   return sum * (1.0F / static_cast<float>(neighbours.size()));
 }
@@ -22,6 +23,6 @@ inline Vec3f umbrella(std::span<const Vec3f> positions, const Topology& topology
 /// neighbours along the boundary only. Reads the topology and triangles of `surface`, not its positions.
 /// False when stopped.
 bool umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
-                   std::span<const Vec3f> from, std::span<Vec3f> to, const RunControl& run);
+                   std::span<const SimdVec3> from, std::span<SimdVec3> to, const RunControl& run);
 
 }  // namespace burnish
