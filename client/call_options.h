@@ -12,16 +12,16 @@
 
 namespace burnish::client {
 
-/// When a call that failed is sent again. Every call is pure, so all of them may be; only what passes by itself
-/// is: a server that cannot be reached, starts or drains, "queue_full" and "memory_full". The delay before
-/// attempt n+1 is random in [0, min(longest_delay, initial_delay * multiplier^(n-1))), after the time that the
-/// server asked for, if it did. What could not start before the timeout is not waited for.
+/// When a call that failed is sent again. Every call is pure, so all of them may be; only what passes by
+/// itself is: a server that cannot be reached, starts or drains, "queue_full" and "memory_full". The delay
+/// before attempt n+1 is random in [0, min(longest_delay, initial_delay * multiplier^(n-1))), after the time
+/// that the server asked for, if it did. What could not start before the timeout is not waited for.
 struct RetryPolicy {
   int attempts = 4;  ///< in all; 1 or less: no second one
   std::chrono::milliseconds initial_delay{100};
   double multiplier = 2;
   std::chrono::milliseconds longest_delay{5000};
-  /// Random in [0, 1); unset: a generator of the call's own.
+  /// Random in [0, 1); unset: a generator of the thread's own.
   std::function<double()> jitter = {};
   /// Waits and returns true, or false as soon as the token is stopped; unset: on the steady clock.
   std::function<bool(std::chrono::milliseconds, const std::stop_token&)> wait = {};
@@ -34,9 +34,9 @@ enum class Compression : std::uint8_t { None, Gzip };
 struct CallOptions {
   std::optional<std::chrono::milliseconds> timeout = {};  ///< of all attempts together; unset: none
   std::stop_token stop = {};                              ///< a stop from any thread ends the call at once
-  /// Called for each progress message of the server, which needs a stream: given, it makes every smooth() one.
-  /// Starts over when the call is tried again. The answer waits while it runs; what it throws ends the call
-  /// with "internal".
+  /// Called for each progress message of the server, which needs a stream: given, it makes every smooth()
+  /// one. Starts over when the call is tried again. The answer waits while it runs; what it throws ends the
+  /// call with "internal".
   std::function<void(const v1::SmoothProgress&)> progress = {};
   RetryPolicy retry = {};
   Compression compression = Compression::None;  ///< of what is sent

@@ -16,10 +16,11 @@ struct Error {
   /// The server's stable cause, such as "index_out_of_range". Without word from the server: "unreachable",
   /// "cancelled", "deadline_exceeded", "too_large", "out_of_memory" or "internal".
   std::string cause;
-  std::string message;                         ///< a sentence that points at the place
-  std::string field = {};                      ///< the option to blame; else empty
-  std::chrono::milliseconds retry_after = {};  ///< when the server says that trying again may help; 0: no word
-  int attempts = 0;                            ///< how often the call was sent
+  std::string message;     ///< a sentence that points at the place
+  std::string field = {};  ///< the option to blame; else empty
+  std::chrono::milliseconds retry_after =
+      {};            ///< when the server says that trying again may help; 0: no word
+  int attempts = 0;  ///< how often the call was sent
 };
 
 /// A value or an Error.

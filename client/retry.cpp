@@ -11,8 +11,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Longer timeouts mean none, and would overflow the clocks.
-constexpr std::chrono::hours kLongestTimeout{24 * 365};
+// More than these would overflow the clocks.
+constexpr std::chrono::hours kLongestTimeout{24 * 365};  ///< longer ones mean none
+constexpr std::chrono::hours kLongestDelay{24};
 
 std::optional<Attempts::Clock::time_point> deadline_after(const std::optional<milliseconds>& timeout) {
   if (!timeout || *timeout > kLongestTimeout) return std::nullopt;
@@ -20,10 +21,8 @@ std::optional<Attempts::Clock::time_point> deadline_after(const std::optional<mi
 }
 
 double random_fraction() {
-  return std::uniform_real_distribution<double>(0, 1)(*[] {
-    thread_local std::minstd_rand generator(std::random_device{}());
-    return &generator;
-  }());
+  thread_local std::minstd_rand generator(std::random_device{}());
+  return std::uniform_real_distribution<double>(0, 1)(generator);
 }
 
 bool wait_unless_stopped(milliseconds delay, const std::stop_token& stop) {
@@ -46,6 +45,9 @@ Attempts::Attempts(const CallOptions& options)
 
 bool Attempts::again(Error& error) {
   error.attempts = ++made_;
+  if (error.code == grpc::StatusCode::CANCELLED && options_.stop.stop_requested()) {
+    error.message = "the caller stopped the call";  // gRPC has no word for it
+  }
   if (made_ >= options_.retry.attempts || !passes(error)) return false;
   const milliseconds pause = delay(error);
   if (deadline_ && Clock::now() + pause >= *deadline_) return false;
@@ -59,8 +61,9 @@ bool Attempts::again(Error& error) {
 
 milliseconds Attempts::delay(const Error& error) {
   const RetryPolicy& policy = options_.retry;
-  const double grown = static_cast<double>(policy.initial_delay.count()) * std::pow(policy.multiplier, made_ - 1);
-  const double ceiling = std::min(grown, static_cast<double>(policy.longest_delay.count()));
+  const auto in_ms = [](milliseconds time) { return static_cast<double>(time.count()); };
+  const double grown = in_ms(policy.initial_delay) * std::pow(policy.multiplier, made_ - 1);
+  const double ceiling = std::min({grown, in_ms(policy.longest_delay), in_ms(kLongestDelay)});
   const double fraction = policy.jitter ? policy.jitter() : random_fraction();
   // On top of the server's time, or all whom it turned away would come back at once.
   return error.retry_after + milliseconds(static_cast<milliseconds::rep>(std::max(0.0, fraction * ceiling)));

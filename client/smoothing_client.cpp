@@ -3,73 +3,92 @@
 #include <grpcpp/create_channel.h>
 
 #include <algorithm>
-#include <cctype>
 #include <exception>
+#include <limits>
 #include <new>
+#include <optional>
 
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
+#include "client/retry.h"
+#include "client/status_error.h"
+#include "client/stream.h"
 
 namespace burnish::client {
 namespace {
+
+using std::chrono::milliseconds;
+
+/// The server allows a ping every 30 s and takes more for abuse.
+constexpr int kKeepaliveMs = 60'000;
+constexpr int kKeepalivePatienceMs = 20'000;
+/// A retry before gRPC tries the connection again would fail unheard; its own defaults are 1 s and 2 min.
+constexpr int kFirstReconnectMs = 100;
+constexpr int kLongestReconnectMs = 5'000;
 
 std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);  // meshes are far larger than gRPC's default of 4 MB
   arguments.SetMaxSendMessageSize(-1);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepalivePatienceMs);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // a long job sends none
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }
 
-/// The cause when the status did not come from a burnishd, or not from its handlers.
-std::string cause_of(grpc::StatusCode code) {
-  switch (code) {
-    case grpc::StatusCode::UNAVAILABLE:
-      return "unreachable";
-    case grpc::StatusCode::CANCELLED:
-      return "cancelled";
-    case grpc::StatusCode::DEADLINE_EXCEEDED:
-      return "deadline_exceeded";
-    case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      return "too_large";  // the transport's limit of a message
-    default:
-      return "internal";
+std::optional<Error> check_size(std::string_view what, std::size_t bytes) {
+  if (bytes <= kLargestMeshBytes) return std::nullopt;
+  return Error{grpc::StatusCode::RESOURCE_EXHAUSTED, "too_large",
+               "the size of the " + std::string(what) + " is " + std::to_string(bytes) +
+                   " bytes; the client carries up to " + std::to_string(kLargestMeshBytes)};
+}
+
+template <class Request>
+std::optional<Error> check_sizes(const Request& request) {
+  auto error = check_size("mesh", request.mesh().size());
+  return error ? error : check_size("reference", request.reference().size());
+}
+
+/// gRPC aborts the process over a message of 2 GB, whatever the options say.
+bool fits_one_message(std::size_t bytes, const CallOptions& options) {
+  return bytes <= std::min(options.unary_bytes, kLargestMeshBytes);
+}
+
+void prepare(grpc::ClientContext& context, const Attempts& attempts, const CallOptions& options) {
+  if (const auto deadline = attempts.deadline()) {
+    context.set_deadline(
+        std::chrono::system_clock::now() +
+        std::chrono::duration_cast<std::chrono::system_clock::duration>(*deadline - Attempts::Clock::now()));
   }
+  if (options.compression == Compression::Gzip) context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
 }
 
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-Error error_from(const grpc::Status& status) {
-  Error error{status.error_code(), cause_of(status.error_code()), status.error_message(), ""};
-  google::rpc::Status details;
-  if (!details.ParseFromString(status.error_details())) return error;
-  for (const google::protobuf::Any& detail : details.details()) {
-    google::rpc::ErrorInfo info;
-    google::rpc::BadRequest bad_request;
-    if (detail.UnpackTo(&info) && info.domain() == "burnish") error.cause = lower_case(info.reason());
-    if (detail.UnpackTo(&bad_request) && bad_request.field_violations_size() > 0) {
-      error.field = bad_request.field_violations(0).field();
-    }
+/// Runs attempt(context) until it succeeds or its error is final.
+template <class Reply, class Attempt>
+Result<Reply> invoke(const CallOptions& options, Attempt&& attempt) try {
+  Attempts attempts(options);
+  for (;;) {
+    grpc::ClientContext context;
+    prepare(context, attempts, options);
+    const std::stop_callback cancel(options.stop, [&context] { context.TryCancel(); });
+    Result<Reply> reply = attempt(context);
+    if (reply || !attempts.again(reply.error())) return reply;
   }
-  return error;
+} catch (const std::bad_alloc&) {
+  return Error{grpc::StatusCode::RESOURCE_EXHAUSTED, "out_of_memory", "the client ran out of memory"};
+} catch (const std::exception& failure) {
+  return Error{grpc::StatusCode::INTERNAL, "internal", failure.what()};
+} catch (...) {
+  return Error{grpc::StatusCode::INTERNAL, "internal", "the progress function failed"};
 }
 
-/// Runs call(context, reply) with the options' deadline and stop.
+/// An attempt that is one message each way.
 template <class Reply, class Call>
-Result<Reply> invoke(const CallOptions& options, Call&& call) try {
-  grpc::ClientContext context;
-  if (options.timeout) context.set_deadline(std::chrono::system_clock::now() + *options.timeout);
-  const std::stop_callback cancel(options.stop, [&context] { context.TryCancel(); });
+Result<Reply> unary(Call&& call) {
   Reply reply;
-  const grpc::Status status = call(context, reply);
+  const grpc::Status status = call(reply);
   if (!status.ok()) return error_from(status);
   return reply;
-} catch (const std::bad_alloc&) {
-  return Error{grpc::StatusCode::RESOURCE_EXHAUSTED, "out_of_memory", "the client ran out of memory", ""};
-} catch (const std::exception& failure) {
-  return Error{grpc::StatusCode::INTERNAL, "internal", failure.what(), ""};
 }
 
 }  // namespace
@@ -81,22 +100,34 @@ SmoothingClient::SmoothingClient(const std::shared_ptr<grpc::Channel>& channel)
 
 Result<v1::SmoothResponse> SmoothingClient::smooth(const v1::SmoothRequest& request,
                                                    const CallOptions& options) const {
-  if (const std::size_t bytes = request.ByteSizeLong(); bytes > kLargestRequestBytes) {
-    return Error{grpc::StatusCode::RESOURCE_EXHAUSTED, "too_large",
-                 "the request has " + std::to_string(bytes) + " bytes, one call carries " +
-                     std::to_string(kLargestRequestBytes),
-                 ""};
-  }
-  return invoke<v1::SmoothResponse>(options, [&](grpc::ClientContext& context, v1::SmoothResponse& reply) {
-    return stub_->Smooth(&context, request, &reply);
+  const std::size_t option_bytes = request.options().ByteSizeLong();
+  if (auto error = check_sizes(request)) return *error;
+  if (auto error = check_size("options", option_bytes)) return *error;
+  const std::size_t bytes = request.mesh().size() + request.reference().size() + option_bytes;
+  const bool by_stream = options.progress || !fits_one_message(bytes, options);
+  return invoke<v1::SmoothResponse>(options, [&](grpc::ClientContext& context) {
+    if (by_stream) return smooth_by_stream(*stub_, context, request, options.progress);
+    return unary<v1::SmoothResponse>(
+        [&](v1::SmoothResponse& reply) { return stub_->Smooth(&context, request, &reply); });
+  });
+}
+
+Result<v1::CompareResponse> SmoothingClient::compare(const v1::CompareRequest& request,
+                                                     const CallOptions& options) const {
+  if (auto error = check_sizes(request)) return *error;
+  const bool by_stream = !fits_one_message(request.mesh().size() + request.reference().size(), options);
+  return invoke<v1::CompareResponse>(options, [&](grpc::ClientContext& context) {
+    if (by_stream) return compare_by_stream(*stub_, context, request);
+    return unary<v1::CompareResponse>(
+        [&](v1::CompareResponse& reply) { return stub_->Compare(&context, request, &reply); });
   });
 }
 
 Result<v1::ListMethodsResponse> SmoothingClient::list_methods(const CallOptions& options) const {
-  return invoke<v1::ListMethodsResponse>(options,
-                                         [&](grpc::ClientContext& context, v1::ListMethodsResponse& reply) {
-                                           return stub_->ListMethods(&context, {}, &reply);
-                                         });
+  return invoke<v1::ListMethodsResponse>(options, [&](grpc::ClientContext& context) {
+    return unary<v1::ListMethodsResponse>(
+        [&](v1::ListMethodsResponse& reply) { return stub_->ListMethods(&context, {}, &reply); });
+  });
 }
 
 }  // namespace burnish::client

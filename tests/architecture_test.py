@@ -15,7 +15,7 @@ FORBIDDEN = {
     "server/jobs": r"(client|server/(grpc|http)/|grpc|grpcpp|httplib)",
     "server/grpc": r"(client|server/http|httplib)",
     "server/http": r"(client|server/grpc|grpc|grpcpp)",
-    "client/smoothing_client": r"(core|server|httplib|draco)",
+    "client/*": r"(core|server|client/cli|httplib|draco)",
 }
 
 

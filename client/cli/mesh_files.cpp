@@ -19,9 +19,8 @@ std::optional<Format> format_of_name(const std::string& path) {
 Limits no_limits() {
   constexpr auto kAny = std::numeric_limits<std::uint64_t>::max();
   return {.max_bytes = kAny,
-          // The topology counts up to six neighbours per triangle in 32 bits.
-          .max_vertices = 4'000'000'000,
-          .max_triangles = 700'000'000,
+          .max_vertices = kNone,  // indices have 32 bits
+          .max_triangles = kNone,
           .max_attributes = std::numeric_limits<std::uint32_t>::max(),
           .max_line_bytes = kAny};
 }

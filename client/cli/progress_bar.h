@@ -3,10 +3,13 @@
 
 #include <iosfwd>
 
+#include "burnish/v1/smoothing.pb.h"
+
 namespace burnish::cli {
 
-/// Draws "smoothing [######......]  42%" over itself and wipes it when destroyed. Draws only whole percents,
-/// so it costs nothing to call it often. Not thread-safe.
+/// Draws "smoothing [######......] 42%" over itself, or "measuring ..." for a stage that does not tell how
+/// far it is, and wipes it when destroyed. Draws only whole percents, so it costs nothing to call it often.
+/// Not thread-safe.
 class ProgressBar {
  public:
   explicit ProgressBar(std::ostream& terminal) : terminal_(terminal) {}
@@ -14,11 +17,13 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  void show(double fraction);  ///< in [0, 1]
+  void show(v1::SmoothStage stage, double fraction);  ///< fraction in [0, 1]
 
  private:
   std::ostream& terminal_;
-  int percent_ = -1;
+  bool shown_ = false;
+  v1::SmoothStage stage_ = v1::SMOOTH_STAGE_UNSPECIFIED;
+  int percent_ = 0;
 };
 
 }  // namespace burnish::cli

@@ -70,8 +70,6 @@ void print_timings(std::ostream& out, const v1::StageTimings& timings) {
           text(timings.measure_ms()) + ", encode " + text(timings.encode_ms()));
 }
 
-}  // namespace
-
 void print_errors(std::ostream& out, const v1::MeshErrors& errors) {
   out << "errors against the " << errors.against() << "\n";
   row(out, "Ev",
@@ -86,8 +84,32 @@ void print_errors(std::ostream& out, const v1::MeshErrors& errors) {
           " degrees, flipped triangles " + std::to_string(errors.flipped_triangles()));
 }
 
+void print_warnings(std::ostream& out,
+                    const google::protobuf::RepeatedPtrField<v1::ReportWarning>& warnings) {
+  if (!warnings.empty()) out << "warnings\n";
+  for (const v1::ReportWarning& warning : warnings) {
+    row(out, warning.code(), warning.message() + " (" + std::to_string(warning.count()) + ")");
+  }
+}
+
+/// Who did it: the version, and the request by which the server's log names it.
+template <class Report>
+std::string origin(const Report& report) {
+  return " (burnish " + report.version() + ", request " + report.request_id() + ")\n";
+}
+
+}  // namespace
+
+void print_comparison(std::ostream& out, const v1::CompareResponse& comparison) {
+  out << "comparison" << origin(comparison);
+  row(out, "reference", counts(comparison.reference()));
+  row(out, "mesh", counts(comparison.mesh()));
+  print_errors(out, comparison.errors());
+  print_warnings(out, comparison.warnings());
+}
+
 void print_report(std::ostream& out, const v1::SmoothReport& report) {
-  out << report.method() << " (burnish " << report.version() << ", request " << report.request_id() << ")\n";
+  out << report.method() << origin(report);
   row(out, "parameters", parameters(report));
   row(out, "input", counts(report.input()));
   row(out, "output", counts(report.output()));
@@ -95,10 +117,7 @@ void print_report(std::ostream& out, const v1::SmoothReport& report) {
   print_errors(out, report.errors());
   print_change(out, report.change());
   print_timings(out, report.timings());
-  if (report.warnings_size() > 0) out << "warnings\n";
-  for (const v1::ReportWarning& warning : report.warnings()) {
-    row(out, warning.code(), warning.message() + " (" + std::to_string(warning.count()) + ")");
-  }
+  print_warnings(out, report.warnings());
 }
 
 }  // namespace burnish::cli

@@ -8,6 +8,6 @@
 namespace burnish::cli {
 
 void print_report(std::ostream& out, const v1::SmoothReport& report);
-void print_errors(std::ostream& out, const v1::MeshErrors& errors);
+void print_comparison(std::ostream& out, const v1::CompareResponse& comparison);
 
 }  // namespace burnish::cli

@@ -1,5 +1,4 @@
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -10,22 +9,20 @@
 #include "client/cli/files.h"
 #include "client/cli/mesh_files.h"
 #include "client/cli/method_help.h"
+#include "client/cli/place.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/report_table.h"
 #include "client/smoothing_client.h"
 #include "server/service/smooth_service.h"
-#include "server/status_map.h"
 
 namespace burnish::cli {
 namespace {
 
 struct SmoothArguments {
-  std::string in, out, reference, report, server, method;
-  bool local = false;
+  std::string in, out, reference, report, method;
+  Place place;
   std::optional<std::uint32_t> iterations;
   std::vector<std::string> assignments;  // name=value
-  unsigned threads = 0;
-  std::optional<double> timeout_seconds;
   std::optional<v1::MeshFormat> output_format;
   v1::DracoMethod draco_method = v1::DRACO_METHOD_UNSPECIFIED;
   std::optional<std::uint32_t> position_bits, normal_bits, texture_coordinate_bits, color_bits, generic_bits,
@@ -99,23 +96,17 @@ Result<v1::SmoothOptions> smooth_options(const SmoothArguments& arguments) {
   return options;
 }
 
-std::optional<std::chrono::milliseconds> timeout_of(const SmoothArguments& arguments) {
-  if (!arguments.timeout_seconds) return std::nullopt;
-  return std::chrono::ceil<std::chrono::milliseconds>(
-      std::chrono::duration<double>(*arguments.timeout_seconds));
-}
-
 Result<Smoothed> smooth_here(const SmoothArguments& arguments, const Inputs& inputs,
                              v1::SmoothOptions options, const Console& console) {
   ProgressBar bar(console.err);
-  RunControl run{.stop = console.stop, .threads = arguments.threads};
-  if (const auto timeout = timeout_of(arguments)) run.deadline = RunControl::Clock::now() + *timeout;
-  if (console.err_is_terminal) run.progress = [&bar](double fraction) { bar.show(fraction); };
-  const SmoothJob job{.mesh = inputs.mesh,
-                      .reference = inputs.reference,
-                      .options = std::move(options),
-                      .request_id = "local"};
-  Result<SmoothResult> result = SmoothService(no_limits()).smooth(job, run);
+  SmoothJob job{.mesh = inputs.mesh,
+                .reference = inputs.reference,
+                .options = std::move(options),
+                .request_id = "local"};
+  if (console.err_is_terminal) {
+    job.progress = [&bar](v1::SmoothStage stage, double fraction) { bar.show(stage, fraction); };
+  }
+  auto result = SmoothService({.mesh = no_limits()}).smooth(job, run_control(arguments.place, console));
   if (!result) return result.error();
   return Smoothed{std::move(result->mesh), std::move(result->report)};
 }
@@ -126,13 +117,13 @@ Result<Smoothed> smooth_there(const SmoothArguments& arguments, Inputs inputs, v
   request.set_mesh(std::move(inputs.mesh));
   request.set_reference(std::move(inputs.reference));
   *request.mutable_options() = std::move(options);
-  const client::SmoothingClient server(arguments.server);
-  auto reply = server.smooth(request, {.timeout = timeout_of(arguments), .stop = console.stop});
-  if (!reply) {
-    const client::Error& error = reply.error();
-    return Error{cause_from_code(error.cause), error.message + " (server " + arguments.server + ")",
-                 error.field};
+  ProgressBar bar(console.err);
+  client::CallOptions call = call_options(arguments.place, console);
+  if (console.err_is_terminal) {
+    call.progress = [&bar](const v1::SmoothProgress& now) { bar.show(now.stage(), now.fraction()); };
   }
+  auto reply = client::SmoothingClient(arguments.place.server).smooth(request, call);
+  if (!reply) return error_from(reply.error(), arguments.place);
   return Smoothed{std::move(*reply->mutable_mesh()), std::move(*reply->mutable_report())};
 }
 
@@ -172,7 +163,7 @@ Result<> smooth(const SmoothArguments& arguments, const Console& console) {
   if (!options) return options.error();
   Result<Inputs> inputs = read_inputs(arguments);
   if (!inputs) return inputs.error();
-  Result<Smoothed> smoothed = arguments.server.empty()
+  Result<Smoothed> smoothed = arguments.place.server.empty()
                                   ? smooth_here(arguments, *inputs, std::move(*options), console)
                                   : smooth_there(arguments, std::move(*inputs), std::move(*options), console);
   if (!smoothed) return smoothed.error();
@@ -194,17 +185,6 @@ void add_method(CLI::App* command, SmoothArguments& arguments) {
   command->add_option("--iterations", arguments.iterations, "Number of iterations");
   command->add_option("--set", arguments.assignments, "name=value of a parameter below; may be repeated")
       ->allow_extra_args(false);
-}
-
-void add_place(CLI::App* command, SmoothArguments& arguments) {
-  CLI::Option* server =
-      command->add_option("--server", arguments.server, "Let the burnishd at HOST:PORT (gRPC) do it");
-  command->add_flag("--local", arguments.local, "Do it in this process (default)")->excludes(server);
-  command->add_option("--threads", arguments.threads, "Threads of the local mode; 0 = all cores")
-      ->capture_default_str()
-      ->excludes(server);
-  command->add_option("--timeout", arguments.timeout_seconds, "Give up after this many seconds")
-      ->check(CLI::Range(0.001, 1e6));
 }
 
 void add_output(CLI::App* command, SmoothArguments& arguments) {
@@ -238,7 +218,7 @@ void add_smooth_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("smooth", "Smooth a mesh and report what changed");
   add_files(command, *arguments);
   add_method(command, *arguments);
-  add_place(command, *arguments);
+  add_place(command, arguments->place);
   add_output(command, *arguments);
   command->footer([] { return "Methods and their parameters (--set):\n" + method_help(); });
   command->callback([&chosen, arguments] {

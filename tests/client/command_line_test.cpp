@@ -3,36 +3,38 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
 #include "core/smooth/registry.h"
+#include "tests/client/fake_server.h"
 #include "tests/client/temporary_folder.h"
 
 namespace burnish::cli {
 namespace {
 
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 struct Outcome {
   int code;
   std::string out, err;
 };
 
-Outcome burnish(std::vector<std::string> arguments, std::stop_token stop = {}) {
+Outcome burnish(std::vector<std::string> arguments, std::stop_token stop = {}, bool terminal = false) {
   std::vector<const char*> argv = {"burnish"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   std::ostringstream out, err;
-  const int code = run_command_line(static_cast<int>(argv.size()), argv.data(), {out, err, false, stop});
+  const int code = run_command_line(static_cast<int>(argv.size()), argv.data(), {out, err, terminal, stop});
   return {code, out.str(), err.str()};
 }
 
 nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text, nullptr, false); }
 
 /// A folder with a small noisy sample and its reference.
-class CommandLine : public testing::Test {
+class CommandLine : public ::testing::Test {
  protected:
   CommandLine() {
     EXPECT_EQ(burnish({"sample", noisy, "--resolution", "12"}).code, 0);
@@ -49,9 +51,9 @@ TEST_F(CommandLine, SmoothsTheSampleTowardsItsReference) {
   EXPECT_THAT(done.out, HasSubstr("errors against the reference"));
   const auto before = json_of(burnish({"compare", clean, noisy, "--json"}).out);
   const auto after = json_of(burnish({"compare", clean, smooth, "--json"}).out);
-  EXPECT_LT(after["ev"].get<double>(), before["ev"].get<double>());
-  EXPECT_NEAR(json_of(folder.read("r.json"))["errors"]["ev"].get<double>(), after["ev"].get<double>(),
-              1e-3 * after["ev"].get<double>());
+  const double ev = after["errors"]["ev"].get<double>();
+  EXPECT_LT(ev, before["errors"]["ev"].get<double>());
+  EXPECT_NEAR(json_of(folder.read("r.json"))["errors"]["ev"].get<double>(), ev, 1e-3 * ev);
 }
 
 TEST_F(CommandLine, PrintsOnlyJsonWhenTheReportGoesToStandardOutput) {
@@ -117,14 +119,17 @@ TEST_F(CommandLine, ExitsByCause) {
       {{"noise", bad, smooth}, 3, "burnish: index_out_of_range: "},
       {{"compare", bad, noisy}, 3, "burnish: index_out_of_range: "},
       {{"smooth", noisy, smooth, "--reference", folder.write("none.obj", "")}, 3, "burnish: empty_mesh: "},
-      {{"smooth", noisy, smooth, "--server", "127.0.0.1:1"}, 5, "burnish: unreachable: "},
+      {{"smooth", noisy, smooth, "--retries", "2"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--server", "h:1", "--retries", "-1"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--server", "127.0.0.1:1", "--retries", "0"}, 5, "burnish: unreachable: "},
+      {{"compare", clean, noisy, "--server", "127.0.0.1:1", "--retries", "0"}, 5, "burnish: unreachable: "},
       {{"smooth", folder / "missing.obj", smooth}, 6, "burnish: file_error: "},
       {{"smooth", noisy, folder / "no/where.obj"}, 6, "burnish: file_error: "},
       {{"smooth", noisy, smooth, "--report", folder / "no/where.json"}, 6, "burnish: file_error: "},
   };
   for (const Row& row : rows) {
     const Outcome done = burnish(row.arguments);
-    const std::string call = testing::PrintToString(row.arguments);
+    const std::string call = ::testing::PrintToString(row.arguments);
     EXPECT_EQ(done.code, row.code) << call << done.err;
     EXPECT_THAT(done.err, StartsWith(row.start)) << call;
     EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << call << done.err;
@@ -148,6 +153,68 @@ TEST_F(CommandLine, GivesUpAtItsTimeout) {
   const Outcome late = burnish({"smooth", noisy, smooth, "--iterations", "100000", "--timeout", "0.05"});
   EXPECT_EQ(late.code, 4);
   EXPECT_THAT(late.err, StartsWith("burnish: deadline_exceeded: "));
+}
+
+TEST_F(CommandLine, ComparesMeshesOfAnyConnectivity) {
+  const std::string coarse = folder / "coarse.obj";
+  ASSERT_EQ(burnish({"sample", coarse, "--resolution", "8", "--amplitude", "0"}).code, 0);
+  const Outcome table = burnish({"compare", clean, coarse});
+  ASSERT_EQ(table.code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("1728 triangles"));
+  EXPECT_THAT(table.out, HasSubstr("768 triangles"));
+  EXPECT_THAT(table.out, HasSubstr("errors against the reference"));
+  EXPECT_THAT(table.out, HasSubstr("connectivity_differs"));
+  const auto json = json_of(burnish({"compare", clean, coarse, "--json"}).out);
+  EXPECT_EQ(json["reference"]["triangles"], 1728);
+  EXPECT_EQ(json["mesh"]["triangles"], 768);
+}
+
+TEST_F(CommandLine, ShowsTheServersProgressOnATerminal) {
+  const client::FakeServer server({.smooth = client::echo, .smooth_stream = [](auto&, auto& stream) {
+                                     client::receive(stream);
+                                     client::send_progress(stream, v1::SMOOTH_STAGE_QUEUE);
+                                     client::send_progress(stream, v1::SMOOTH_STAGE_SMOOTH, 0.42);
+                                     client::send_chunk(stream, "smoothed");
+                                     client::send_report(stream, "by stream");
+                                     return grpc::Status::OK;
+                                   }});
+  const std::vector<std::string> call = {"smooth", noisy, smooth, "--server", server.address()};
+  const Outcome shown = burnish(call, {}, true);
+  ASSERT_EQ(shown.code, 0) << shown.err;
+  EXPECT_THAT(shown.err, HasSubstr("waiting ..."));
+  EXPECT_THAT(shown.err, HasSubstr("smoothing [################........................] 42%"));
+  EXPECT_THAT(shown.err, ::testing::EndsWith("\r\x1b[K"));
+  EXPECT_THAT(shown.out, HasSubstr("by stream"));
+  EXPECT_EQ(folder.read("smooth.obj"), "smoothed");
+  const Outcome silent = burnish(call);
+  EXPECT_EQ(silent.err, "");
+}
+
+TEST_F(CommandLine, ShowsItsOwnProgressOnATerminal) {
+  const Outcome shown = burnish({"smooth", noisy, smooth}, {}, true);
+  ASSERT_EQ(shown.code, 0) << shown.err;
+  EXPECT_THAT(shown.err, HasSubstr("smoothing ["));
+  EXPECT_THAT(shown.err, HasSubstr("measuring ..."));
+}
+
+TEST_F(CommandLine, TriesAgainAsOftenAsItIsTold) {
+  std::atomic<int> calls = 0;
+  const client::FakeServer server({.compare = [&](const auto&, auto& response) {
+    if (++calls < 3) return client::queue_full();
+    response.set_request_id("third");
+    return grpc::Status::OK;
+  }});
+  const auto compare = [&](const char* retries) {
+    calls = 0;
+    return burnish({"compare", clean, noisy, "--json", "--server", server.address(), "--retries", retries});
+  };
+  const Outcome early = compare("1");
+  EXPECT_EQ(early.code, 4);
+  EXPECT_THAT(early.err, StartsWith("burnish: queue_full: "));
+  EXPECT_THAT(early.err, HasSubstr("2 attempts"));
+  const Outcome done = compare("2");
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(json_of(done.out)["requestId"], "third");
 }
 
 TEST(CommandLineHelp, ListsEveryMethodAndParameter) {

@@ -53,17 +53,42 @@ TEST(PrintReport, ShowsEveryWarning) {
   EXPECT_THAT(table_of(report), HasSubstr("the mesh is open at vertex 3 (12)"));
 }
 
+TEST(PrintComparison, ShowsBothMeshesAndTheErrors) {
+  v1::CompareResponse comparison;
+  comparison.mutable_reference()->set_vertices(11);
+  comparison.mutable_mesh()->set_triangles(22);
+  comparison.mutable_errors()->set_against("reference");
+  comparison.mutable_errors()->set_ev_over_edge(0.1034);
+  comparison.add_warnings()->set_message("the connectivity differs");
+  std::ostringstream out;
+  print_comparison(out, comparison);
+  for (const char* part : {"11 vertices", "22 triangles", "errors against the reference", "0.1034 mean edges",
+                           "the connectivity differs"}) {
+    EXPECT_THAT(out.str(), HasSubstr(part));
+  }
+}
+
 TEST(ProgressBar, DrawsEachPercentOnceAndWipesItself) {
   std::ostringstream terminal;
   {
     ProgressBar bar(terminal);
-    for (int i = 0; i <= 500; ++i) bar.show(i / 1000.0);
-    EXPECT_THAT(terminal.str(), HasSubstr("50%"));
-    EXPECT_LT(terminal.str().size(), 60u * 51);
-    bar.show(2);
+    for (int i = 0; i <= 500; ++i) bar.show(v1::SMOOTH_STAGE_SMOOTH, i / 1000.0);
+    EXPECT_THAT(terminal.str(), HasSubstr("smoothing [####################....................] 50%"));
+    EXPECT_LT(terminal.str().size(), 70u * 51);
+    bar.show(v1::SMOOTH_STAGE_SMOOTH, 2);
     EXPECT_THAT(terminal.str(), HasSubstr("100%"));
   }
   EXPECT_THAT(terminal.str(), testing::EndsWith("\r\x1b[K"));
+}
+
+TEST(ProgressBar, NamesTheStagesThatDoNotTell) {
+  std::ostringstream terminal;
+  ProgressBar bar(terminal);
+  bar.show(v1::SMOOTH_STAGE_QUEUE, 0);
+  bar.show(v1::SMOOTH_STAGE_QUEUE, 0);
+  EXPECT_EQ(terminal.str(), "\r\x1b[Kwaiting ...");
+  bar.show(v1::SMOOTH_STAGE_MEASURE, 0);
+  EXPECT_THAT(terminal.str(), testing::EndsWith("\r\x1b[Kmeasuring ..."));
 }
 
 TEST(ProgressBar, StaysSilentWhenNothingWasShown) {

@@ -1,66 +1,21 @@
 #include "client/smoothing_client.h"
 
 #include <gmock/gmock.h>
-#include <grpcpp/server.h>
-#include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <atomic>
 #include <future>
-#include <thread>
 
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
+#include "tests/client/fake_server.h"
+#include "tests/client/temporary_folder.h"
 
 namespace burnish::client {
 namespace {
 
 using namespace std::chrono_literals;
+using cli::TemporaryFolder;
 
-/// A server whose answers the test writes.
-class FakeServer : public v1::SmoothingService::Service {
- public:
-  using OnSmooth =
-      std::function<grpc::Status(grpc::ServerContext&, const v1::SmoothRequest&, v1::SmoothResponse&)>;
-
-  explicit FakeServer(OnSmooth on_smooth) : on_smooth_(std::move(on_smooth)) {
-    grpc::ServerBuilder builder;
-    builder.SetMaxReceiveMessageSize(-1);
-    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
-    builder.RegisterService(this);
-    server_ = builder.BuildAndStart();
-  }
-  ~FakeServer() override { server_->Shutdown(std::chrono::system_clock::now()); }
-
-  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-
-  grpc::Status Smooth(grpc::ServerContext* context, const v1::SmoothRequest* request,
-                      v1::SmoothResponse* response) override {
-    return on_smooth_(*context, *request, *response);
-  }
-  grpc::Status ListMethods(grpc::ServerContext*, const v1::ListMethodsRequest*,
-                           v1::ListMethodsResponse* response) override {
-    response->add_methods()->set_name("adaptive");
-    return grpc::Status::OK;
-  }
-
- private:
-  OnSmooth on_smooth_;
-  int port_ = 0;
-  std::unique_ptr<grpc::Server> server_;
-};
-
-grpc::Status echo(grpc::ServerContext&, const v1::SmoothRequest& request, v1::SmoothResponse& response) {
-  response.set_mesh(request.mesh());
-  response.mutable_report()->set_method(request.options().method());
-  return grpc::Status::OK;
-}
-
-/// Holds the call until the client is gone.
-grpc::Status until_cancelled(grpc::ServerContext& context) {
-  while (!context.IsCancelled()) std::this_thread::sleep_for(1ms);
-  return grpc::Status::CANCELLED;
-}
+const CallOptions kOnce{.retry = {.attempts = 1}};
 
 v1::SmoothRequest request_with(const std::string& mesh) {
   v1::SmoothRequest request;
@@ -69,48 +24,85 @@ v1::SmoothRequest request_with(const std::string& mesh) {
   return request;
 }
 
+v1::CompareRequest comparison_of(const std::string& reference, const std::string& mesh) {
+  v1::CompareRequest request;
+  request.set_reference(reference);
+  request.set_mesh(mesh);
+  return request;
+}
+
 TEST(SmoothingClient, ReturnsTheReply) {
-  const FakeServer server(echo);
+  const FakeServer server({.smooth = echo});
   const auto reply = SmoothingClient(server.address()).smooth(request_with("v 0 0 0"));
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(reply->mesh(), "v 0 0 0");
   EXPECT_EQ(reply->report().method(), "taubin");
 }
 
+TEST(SmoothingClient, Compares) {
+  const FakeServer server({.compare = [](const v1::CompareRequest& request, v1::CompareResponse& response) {
+    response.mutable_errors()->set_against(request.reference() + "/" + request.mesh());
+    return grpc::Status::OK;
+  }});
+  const auto reply = SmoothingClient(server.address()).compare(comparison_of("right", "wrong"));
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
+  EXPECT_EQ(reply->errors().against(), "right/wrong");
+}
+
 TEST(SmoothingClient, ListsTheMethods) {
-  const FakeServer server(echo);
+  const FakeServer server({});
   const auto reply = SmoothingClient(server.address()).list_methods();
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(reply->methods(0).name(), "adaptive");
 }
 
 TEST(SmoothingClient, CarriesMessagesBeyondFourMegabytes) {
-  const FakeServer server(echo);
+  const FakeServer server({.smooth = echo});
   const std::string mesh(6 << 20, 'x');
-  const auto reply = SmoothingClient(server.address()).smooth(request_with(mesh));
+  const auto reply =
+      SmoothingClient(server.address()).smooth(request_with(mesh), {.unary_bytes = std::size_t{8} << 20});
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(reply->mesh().size(), mesh.size());
 }
 
+TEST(SmoothingClient, TalksThroughAUnixDomainSocket) {
+  const TemporaryFolder folder;
+  const std::string address = "unix:" + (folder / "socket");
+  const FakeServer server({.smooth = echo}, address);
+  const auto reply = SmoothingClient(address).smooth(request_with("v 0 0 0"));
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
+  EXPECT_EQ(reply->mesh(), "v 0 0 0");
+}
+
+TEST(SmoothingClient, CompressesWhenAsked) {
+  const CallOptions gzip{.compression = Compression::Gzip};
+  const FakeServer server({.smooth = echo, .smooth_stream = echo_stream});
+  const std::string mesh(3 << 20, 'x');
+  for (const std::size_t unary_bytes : {std::size_t{0}, std::size_t{4} << 20}) {
+    CallOptions options = gzip;
+    options.unary_bytes = unary_bytes;
+    const auto reply = SmoothingClient(server.address()).smooth(request_with(mesh), options);
+    ASSERT_TRUE(reply.ok()) << reply.error().message;
+    EXPECT_EQ(reply->mesh(), mesh);
+  }
+  const FakeServer plain({.smooth = echo}, "127.0.0.1:0", false);
+  EXPECT_TRUE(SmoothingClient(plain.address()).smooth(request_with(mesh)).ok());
+  const auto refused = SmoothingClient(plain.address()).smooth(request_with(mesh), gzip);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.error().message, ::testing::HasSubstr("gzip"));
+}
+
 TEST(SmoothingClient, NamesTheServersCauseAndField) {
-  const FakeServer server([](auto&, auto&, auto&) {
-    google::rpc::ErrorInfo info;
-    info.set_domain("burnish");
-    info.set_reason("BAD_OPTION");
-    google::rpc::BadRequest bad_request;
-    bad_request.add_field_violations()->set_field("lambda");
-    google::rpc::Status details;
-    details.add_details()->PackFrom(info);
-    details.add_details()->PackFrom(bad_request);
-    return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "lambda must be at most 1",
-                        details.SerializeAsString());
-  });
+  const FakeServer server({.smooth = [](auto&, auto&, auto&) {
+    return refusal(grpc::StatusCode::INVALID_ARGUMENT, "BAD_OPTION", "lambda");
+  }});
   const auto reply = SmoothingClient(server.address()).smooth({});
   ASSERT_FALSE(reply.ok());
   EXPECT_EQ(reply.error().code, grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(reply.error().cause, "bad_option");
-  EXPECT_EQ(reply.error().message, "lambda must be at most 1");
+  EXPECT_EQ(reply.error().message, "the server says why");
   EXPECT_EQ(reply.error().field, "lambda");
+  EXPECT_EQ(reply.error().attempts, 1);
 }
 
 struct PlainStatus {
@@ -128,8 +120,8 @@ TEST(SmoothingClient, FindsACauseForStatusesWithoutOne) {
   };
   for (const PlainStatus& row : rows) {
     const FakeServer server(
-        [&row](auto&, auto&, auto&) { return grpc::Status(row.code, "why", row.details); });
-    const auto reply = SmoothingClient(server.address()).smooth({});
+        {.smooth = [&row](auto&, auto&, auto&) { return grpc::Status(row.code, "why", row.details); }});
+    const auto reply = SmoothingClient(server.address()).smooth({}, kOnce);
     ASSERT_FALSE(reply.ok()) << row.cause;
     EXPECT_EQ(reply.error().code, row.code) << row.cause;
     EXPECT_EQ(reply.error().cause, row.cause);
@@ -137,53 +129,75 @@ TEST(SmoothingClient, FindsACauseForStatusesWithoutOne) {
 }
 
 TEST(SmoothingClient, KeepsItsDeadline) {
-  const FakeServer server([](auto& context, auto&, auto&) { return until_cancelled(context); });
-  const auto reply = SmoothingClient(server.address()).smooth({}, {.timeout = 50ms});
-  ASSERT_FALSE(reply.ok());
-  EXPECT_EQ(reply.error().cause, "deadline_exceeded");
+  const FakeServer server({.smooth = [](auto& context, auto&, auto&) { return until_cancelled(context); },
+                           .smooth_stream = [](auto& context, auto&) { return until_cancelled(context); }});
+  for (const std::size_t unary_bytes : {0, 1000}) {
+    const auto reply = SmoothingClient(server.address())
+                           .smooth(request_with("mesh"), {.timeout = 50ms, .unary_bytes = unary_bytes});
+    ASSERT_FALSE(reply.ok());
+    EXPECT_EQ(reply.error().cause, "deadline_exceeded");
+    EXPECT_EQ(reply.error().attempts, 1);
+  }
 }
 
 TEST(SmoothingClient, StopsFromAnotherThread) {
   std::promise<void> arrived;
-  const FakeServer server([&arrived](auto& context, auto&, auto&) {
+  const auto arrive_and_wait = [&arrived](grpc::ServerContext& context) {
     arrived.set_value();
     return until_cancelled(context);
-  });
-  std::stop_source stop;
+  };
+  const FakeServer server({.smooth = [&](auto& context, auto&, auto&) { return arrive_and_wait(context); },
+                           // Reads nothing: the upload stands still when the stop comes.
+                           .smooth_stream = [&](auto& context, auto&) { return arrive_and_wait(context); }});
   const SmoothingClient client(server.address());
-  auto reply = std::async(std::launch::async, [&] { return client.smooth({}, {.stop = stop.get_token()}); });
-  arrived.get_future().wait();
-  stop.request_stop();
-  const auto result = reply.get();
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().cause, "cancelled");
+  const v1::SmoothRequest request = request_with(std::string(16 << 20, 'x'));
+  for (const std::size_t unary_bytes : {std::size_t{0}, std::size_t{32} << 20}) {
+    arrived = {};
+    std::stop_source stop;
+    auto reply = std::async(std::launch::async, [&] {
+      return client.smooth(request, {.stop = stop.get_token(), .unary_bytes = unary_bytes});
+    });
+    arrived.get_future().wait();
+    stop.request_stop();
+    const auto result = reply.get();
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.error().cause, "cancelled");
+    EXPECT_EQ(result.error().message, "the caller stopped the call");
+  }
 }
 
 TEST(SmoothingClient, DoesNotStartWhenAlreadyStopped) {
-  const FakeServer server(echo);
+  std::atomic<int> calls = 0;
+  const FakeServer server({.smooth = [&](auto&, auto&, auto&) { return ++calls, grpc::Status::OK; }});
   std::stop_source stop;
   stop.request_stop();
   const auto reply = SmoothingClient(server.address()).smooth({}, {.stop = stop.get_token()});
   ASSERT_FALSE(reply.ok());
   EXPECT_EQ(reply.error().cause, "cancelled");
+  EXPECT_EQ(calls, 0);
 }
 
 TEST(SmoothingClient, NamesAServerThatDoesNotAnswer) {
-  const auto reply = SmoothingClient("127.0.0.1:1").smooth({}, {.timeout = 5s});
+  const auto reply = SmoothingClient("127.0.0.1:1").smooth({}, {.timeout = 20s, .retry = {.attempts = 2}});
   ASSERT_FALSE(reply.ok());
   EXPECT_EQ(reply.error().code, grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(reply.error().cause, "unreachable");
+  EXPECT_EQ(reply.error().attempts, 2);
 }
 
 TEST(SmoothingClient, ServesManyThreadsAtOnce) {
-  const FakeServer server(echo);
+  const FakeServer server({.smooth = echo, .smooth_stream = echo_stream});
   const SmoothingClient client(server.address());
   std::vector<std::future<bool>> calls;
   for (int i = 0; i < 8; ++i) {
     calls.push_back(std::async(std::launch::async, [&client, i] {
-      const std::string mesh = "mesh " + std::to_string(i);
-      const auto reply = client.smooth(request_with(mesh));
-      return reply.ok() && reply->mesh() == mesh;
+      const std::string mesh(std::size_t{1} << 20, static_cast<char>('a' + i));
+      const std::size_t unary_bytes = i % 2 == 0 ? 0 : std::size_t{4} << 20;
+      for (int repeat = 0; repeat < 3; ++repeat) {
+        const auto reply = client.smooth(request_with(mesh), {.unary_bytes = unary_bytes});
+        if (!reply || reply->mesh() != mesh) return false;
+      }
+      return true;
     }));
   }
   for (auto& call : calls) EXPECT_TRUE(call.get());

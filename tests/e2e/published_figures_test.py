@@ -29,7 +29,7 @@ class PublishedFigures(MeshTest):
     RESOLUTION = 4
 
     def compare(self, reference, mesh):
-        return json.loads(self.run_burnish("compare", reference, mesh, "--json").stdout)
+        return json.loads(self.run_burnish("compare", reference, mesh, "--json").stdout)["errors"]
 
     def mean_edge(self, reference, other):
         errors = self.compare(reference, other)

@@ -124,7 +124,8 @@ class Transports(MeshTest):
         noisier, out = self.folder / "noisier.obj", self.folder / "out.obj"
         self.run_burnish("noise", self.clean, noisier, "--amplitude", 0.2, "--kind", "uniform", "--direction", "random")
         self.run_burnish("smooth", noisier, out, "--server", self.server.grpc)
-        ev = [json.loads(self.run_burnish("compare", self.clean, mesh, "--json").stdout)["ev"] for mesh in (noisier, out)]
+        ev = [json.loads(self.run_burnish("compare", self.clean, mesh, "--json").stdout)["errors"]["ev"]
+              for mesh in (noisier, out)]
         self.assertLess(ev[1], 0.7 * ev[0])
 
 

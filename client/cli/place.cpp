@@ -1,0 +1,48 @@
+#include "client/cli/place.h"
+
+#include <chrono>
+
+#include "server/status_map.h"
+
+namespace burnish::cli {
+namespace {
+
+std::optional<std::chrono::milliseconds> timeout_of(const Place& place) {
+  if (!place.timeout_seconds) return std::nullopt;
+  return std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(*place.timeout_seconds));
+}
+
+}  // namespace
+
+void add_place(CLI::App* command, Place& place) {
+  CLI::Option* server = command->add_option("--server", place.server,
+                                            "Let the burnishd at HOST:PORT or unix:PATH (gRPC) do it");
+  command->add_option("--retries", place.retries, "How often to try again while the server is busy or away")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str()
+      ->needs(server);
+  command->add_flag("--local")->description("Do it in this process (default)")->excludes(server);
+  command->add_option("--threads", place.threads, "Threads of the local mode; 0 = all cores")
+      ->capture_default_str()
+      ->excludes(server);
+  command->add_option("--timeout", place.timeout_seconds, "Give up after this many seconds")
+      ->check(CLI::Range(0.001, 1e6));
+}
+
+RunControl run_control(const Place& place, const Console& console) {
+  RunControl run{.stop = console.stop, .threads = place.threads};
+  if (const auto timeout = timeout_of(place)) run.deadline = RunControl::Clock::now() + *timeout;
+  return run;
+}
+
+client::CallOptions call_options(const Place& place, const Console& console) {
+  return {.timeout = timeout_of(place), .stop = console.stop, .retry = {.attempts = place.retries + 1}};
+}
+
+Error error_from(const client::Error& error, const Place& place) {
+  std::string where = " (server " + place.server;
+  if (error.attempts > 1) where += ", " + std::to_string(error.attempts) + " attempts";
+  return {cause_from_code(error.cause), error.message + where + ")", error.field, error.retry_after};
+}
+
+}  // namespace burnish::cli

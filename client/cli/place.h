@@ -1,0 +1,33 @@
+// Where a command's work is done, in this process or by a server, and how long it may take.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "client/call_options.h"
+#include "client/cli/console.h"
+#include "client/result.h"
+#include "core/run/run_control.h"
+
+namespace burnish::cli {
+
+struct Place {
+  std::string server;  ///< HOST:PORT or unix:PATH; empty: in this process
+  unsigned threads = 0;
+  int retries = 3;
+  std::optional<double> timeout_seconds;
+};
+
+void add_place(CLI::App* command, Place& place);
+
+/// For work in this process; the deadline counts from now.
+RunControl run_control(const Place& place, const Console& console);
+
+/// For work by the server.
+client::CallOptions call_options(const Place& place, const Console& console);
+
+/// The server's error as the command line's own.
+Error error_from(const client::Error& error, const Place& place);
+
+}  // namespace burnish::cli
