@@ -1,11 +1,14 @@
 #include "server/config.h"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
-#include <charconv>
-#include <iterator>
+#include <sys/un.h>
 
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
+#include <span>
+
+#include "server/config_file.h"
+#include "server/config_settings.h"
 #include "server/observe/log.h"
 #include "server/service/smooth_service.h"
 #include "server/status_map.h"
@@ -13,53 +16,67 @@
 namespace burnish {
 namespace {
 
+constexpr std::string_view kUnix = "unix:";
+
 Error bad_address(std::string_view text) {
-  return {Cause::BadOption,
-          "'" + std::string(text) + "' is not HOST:PORT, such as 127.0.0.1:8080 or [::1]:8080"};
+  return {Cause::BadOption, "'" + printable(text, 200) +
+                                "' is not HOST:PORT, such as 127.0.0.1:8080 or [::1]:8080, nor unix:PATH"};
 }
 
-/// BURNISH_GRPC_LISTEN for --grpc-listen.
-std::string environment_name(std::string flag) {
-  flag.erase(0, 2);
-  std::ranges::transform(flag, flag.begin(),
-                         [](unsigned char c) { return c == '-' ? '_' : static_cast<char>(std::toupper(c)); });
-  return "BURNISH_" + flag;
+Result<Address> parse_socket(std::string_view text) {
+  const std::string_view path = text.substr(kUnix.size());
+  if (path.empty() || path.find('\0') != std::string_view::npos) return bad_address(text);
+  constexpr std::size_t longest = sizeof(sockaddr_un::sun_path) - 1;
+  if (path.size() > longest) {
+    return Error{Cause::BadOption, "the path of a Unix domain socket has at most " + std::to_string(longest) +
+                                       " bytes, '" + printable(path, 200) + "' has " +
+                                       std::to_string(path.size())};
+  }
+  return Address{.host = {}, .port = 0, .path = std::string(path)};
 }
 
-template <class T>
-CLI::Option* add(CLI::App& app, const std::string& flag, T& value, const std::string& text) {
-  return app.add_option(flag, value, text)->envname(environment_name(flag))->capture_default_str();
+CLI::Option* add_flag(CLI::App& app, const Setting& setting) {
+  const std::string flag = setting.flag();
+  auto* option = setting.shape == SettingShape::Switch
+                     ? app.add_flag(flag, setting.meaning)
+                     : app.add_option(
+                           flag, [](const CLI::results_t&) { return true; }, setting.meaning);
+  const std::string value = setting.value_text();
+  option->envname(setting.environment())
+      ->option_text(setting.range + (value.empty() ? "" : " [" + value + "]") + " (" + setting.environment() +
+                    ")");
+  if (setting.shape == SettingShape::List)
+    option->expected(1, CLI::detail::expected_max_vector_size)->delimiter(',')->allow_extra_args(false);
+  return option;
 }
 
-void add_address(CLI::App& app, const std::string& flag, Address& value, const std::string& text) {
-  const auto read = [&value](const std::string& given) {
-    auto address = parse_address(given);
-    if (!address) throw CLI::ValidationError(address.error().message);
-    value = *address;
-  };
-  app.add_option_function<std::string>(flag, read, text)
-      ->envname(environment_name(flag))
-      ->type_name("HOST:PORT")
-      ->default_str(value.text());
+/// Flags and environment; CLI11 lets the flag win.
+Result<> apply_options(std::span<const Setting> settings, std::span<const CLI::Option* const> options) {
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    if (options[i]->empty()) continue;
+    if (auto applied = settings[i].set(options[i]->results()); !applied) {
+      return Error{Cause::BadOption, settings[i].flag() + " (or " + settings[i].environment() +
+                                         "): " + applied.error().message};
+    }
+  }
+  return {};
 }
 
-void add_seconds(CLI::App& app, const std::string& flag, std::chrono::seconds& value, int least,
-                 const std::string& text) {
-  const auto read = [&value](const int& given) { value = std::chrono::seconds(given); };
-  app.add_option_function<int>(flag, read, text)
-      ->envname(environment_name(flag))
-      ->check(CLI::Range(least, 86400))
-      ->default_str(std::to_string(value.count()));
+int exit_code(const Error& error) {
+  std::fprintf(stderr, "burnishd: %s\n", error.message.c_str());
+  return status_of(error.cause).exit_code;
 }
 
 }  // namespace
 
 std::string Address::text() const {
+  if (is_unix()) return std::string(kUnix) + path;
   const bool v6 = host.find(':') != std::string::npos;
   return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
 }
 
 Result<Address> parse_address(std::string_view text) {
+  if (text.starts_with(kUnix)) return parse_socket(text);
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return bad_address(text);
   std::string_view host = text.substr(0, colon);
@@ -77,28 +94,29 @@ Result<Address> parse_address(std::string_view text) {
 
 std::variant<Config, int> parse_config(int argc, const char* const* argv) {
   Config config;
+  const std::vector<Setting> settings = settings_of(config);
   CLI::App app("Smooths scanned triangle meshes over gRPC and HTTP.", "burnishd");
   app.set_version_flag("--version", "burnishd " + std::string(version()));
-  add_address(app, "--grpc-listen", config.grpc_listen, "where to serve gRPC; port 0: any");
-  add_address(app, "--http-listen", config.http_listen, "where to serve HTTP; port 0: any");
-  add(app, "--ports-file", config.ports_file, "gets the addresses as JSON once both serve")
-      ->type_name("FILE");
-  add(app, "--workers", config.workers, "jobs that run at once; 0: one per core")->check(CLI::Range(0, 1024));
-  add(app, "--queue", config.queue, "jobs that may wait; more are refused at once")
-      ->check(CLI::Range(0, 1024));
-  add(app, "--threads", config.threads, "cores for a job that is alone; 0: all")->check(CLI::Range(0, 1024));
-  add(app, "--max-bytes", config.max_bytes, "largest mesh, and largest reference, in bytes")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
-  add_seconds(app, "--max-seconds", config.longest_run, 1, "longest run of one job");
-  add_seconds(app, "--grace-seconds", config.grace, 0, "time for accepted jobs after a signal to stop");
-  add(app, "--log-level", config.log_level, "least level to log")
-      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kLogLevels), std::end(kLogLevels))));
+  std::vector<const CLI::Option*> options;
+  for (const Setting& setting : settings) options.push_back(add_flag(app, setting));
+  std::string file;
+  app.add_option("--config", file, "JSON object of settings; flags and environment win")
+      ->envname("BURNISH_CONFIG")
+      ->option_text("FILE (BURNISH_CONFIG)");
+  bool print = false;
+  app.add_flag("--print-config", print, "print the settings as --config takes them, and end");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : status_of(Cause::BadOption).exit_code;
   }
-  return config;
+  if (!file.empty()) {
+    if (auto applied = apply_config_file(file, settings); !applied) return exit_code(applied.error());
+  }
+  if (auto applied = apply_options(settings, options); !applied) return exit_code(applied.error());
+  if (!print) return config;
+  std::printf("%s\n", config_json(settings).c_str());
+  return 0;
 }
 
 }  // namespace burnish

@@ -13,7 +13,8 @@
 
 namespace burnish {
 
-/// What a setting's value is in the file: Size is a number or a text such as "64MiB", List an array of texts.
+/// What a setting's value is in the file: Size is a number or a string such as "64MiB", List an array of
+/// strings.
 enum class SettingShape : std::uint8_t { Text, Number, Size, Switch, List };
 
 struct Setting {
@@ -26,8 +27,8 @@ struct Setting {
   std::function<nlohmann::ordered_json()> get;
 
   std::string flag() const { return "--" + name; }
-  std::string environment() const;   ///< BURNISH_GRPC_LISTEN for grpc-listen
-  std::string default_text() const;  ///< the present value, sizes with a unit
+  std::string environment() const;  ///< BURNISH_GRPC_LISTEN for grpc-listen
+  std::string value_text() const;   ///< the present value, sizes with a unit; an empty list gives ""
 };
 
 /// They write to `config`, which must outlive them.

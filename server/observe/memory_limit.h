@@ -8,8 +8,8 @@ namespace burnish {
 
 /// Where the kernel tells; other folders serve tests.
 struct MemorySources {
-  std::filesystem::path cgroups = "/sys/fs/cgroup";            ///< of version 2 or 1
-  std::filesystem::path own_cgroups = "/proc/self/cgroup";     ///< where in them this process is
+  std::filesystem::path cgroups = "/sys/fs/cgroup";         ///< of version 2 or 1
+  std::filesystem::path own_cgroups = "/proc/self/cgroup";  ///< where in them this process is
   std::filesystem::path machine = "/proc/meminfo";
 };
 

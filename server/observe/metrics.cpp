@@ -12,6 +12,7 @@
 #include "server/lifecycle.h"
 #include "server/observe/process_metrics.h"
 #include "server/service/smooth_service.h"
+#include "server/status_map.h"
 
 namespace burnish {
 namespace {
@@ -24,13 +25,10 @@ constexpr LifecycleState kStates[] = {LifecycleState::Starting, LifecycleState::
 
 struct Stage {
   const char* name;
-  double (v1::StageTimings::*milliseconds)() const;
-  bool smooth_only = false;
+  bool smooth_only;
 };
-constexpr Stage kStageTable[] = {
-    {"queue", &v1::StageTimings::queue_ms},     {"decode", &v1::StageTimings::decode_ms},
-    {"prepare", &v1::StageTimings::prepare_ms}, {"smooth", &v1::StageTimings::smooth_ms, true},
-    {"measure", &v1::StageTimings::measure_ms}, {"encode", &v1::StageTimings::encode_ms, true}};
+constexpr Stage kStages[] = {{"queue", false}, {"decode", false},  {"prepare", false},
+                             {"smooth", true}, {"measure", false}, {"encode", true}};
 
 /// From a small scan to the longest run that is allowed by default.
 const prometheus::Histogram::BucketBoundaries kSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
@@ -38,9 +36,6 @@ const prometheus::Histogram::BucketBoundaries kSeconds = {0.001, 0.0025, 0.005, 
 /// 1 KiB to 1 GiB in fourfold steps.
 const prometheus::Histogram::BucketBoundaries kBytes = {
     1024, 4096, 16384, 65536, 262144, 1048576, 4194304, 16777216, 67108864.0, 268435456., 1073741824.0};
-
-/// Causes that only a client's side knows never end a request here.
-bool is_servers(Cause cause) { return cause != Cause::Unreachable && cause != Cause::FileError; }
 
 prometheus::ClientMetric labelled(std::string label, std::string_view value, double number) {
   prometheus::ClientMetric metric;
@@ -114,7 +109,8 @@ void Metrics::add_traffic() {
       };
       counted.ok = add_outcome(kOk);
       for (const Cause cause : all_causes()) {
-        counted.refused.push_back(add_outcome(cause_code(is_servers(cause) ? cause : Cause::Internal)));
+        counted.refused.push_back(
+            add_outcome(cause_code(comes_from_servers(cause) ? cause : Cause::Internal)));
       }
     }
   }
@@ -133,7 +129,7 @@ void Metrics::add_durations() {
     const std::string name(kind_name(kind));
     Durations& timed = durations_[static_cast<std::size_t>(kind)];
     timed.total = &totals.Add({{"kind", name}}, kSeconds);
-    for (const Stage& stage : kStageTable) {
+    for (const Stage& stage : kStages) {
       const bool has = kind == Kind::Smooth || !stage.smooth_only;
       timed.stages.push_back(has ? &stages.Add({{"kind", name}, {"stage", stage.name}}, kSeconds) : nullptr);
     }
@@ -155,8 +151,11 @@ void Metrics::count_outcome(Transport transport, Kind kind, const Error* error) 
 
 void Metrics::observe(Kind kind, const v1::StageTimings& timings) {
   const Durations& timed = durations_[static_cast<std::size_t>(kind)];
-  for (std::size_t i = 0; i < std::size(kStageTable); ++i) {
-    if (timed.stages[i]) timed.stages[i]->Observe((timings.*kStageTable[i].milliseconds)() / 1000);
+  const double milliseconds[] = {timings.queue_ms(),  timings.decode_ms(),  timings.prepare_ms(),
+                                 timings.smooth_ms(), timings.measure_ms(), timings.encode_ms()};
+  static_assert(std::size(milliseconds) == std::size(kStages));
+  for (std::size_t i = 0; i < std::size(kStages); ++i) {
+    if (timed.stages[i]) timed.stages[i]->Observe(milliseconds[i] / 1000);
   }
   timed.total->Observe(timings.total_ms() / 1000);
 }
