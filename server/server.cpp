@@ -57,7 +57,7 @@ Result<std::unique_ptr<Server>> Server::start(const Config& config, SmoothFuncti
 
 Result<> Server::open(const Config& config) {
   if (auto usable = spool_.check(); !usable) return usable;
-  auto http = HttpServer::start(config, gateway_, jobs_);
+  auto http = HttpServer::start(http_options(config), gateway_, jobs_);
   if (!http) return std::move(http).error();
   http_ = std::move(http).value();
   auto grpc = GrpcServer::start(config, jobs_);
@@ -96,14 +96,15 @@ bool Server::stop(std::chrono::milliseconds grace) {
   if (lifecycle_.move_to(LifecycleState::Draining) && served) {
     spdlog::info("draining: {} jobs run, {} wait", runner_.running(), runner_.queued());
     tell_health();
+    grpc_->refuse_uploads();
   }
   runner_.drain(grace);
   const std::lock_guard stopping(stop_mutex_);
   health_ = {};
-  const bool http_ended = !http_ || http_->stop(std::clamp(grace, kLeastPatience, kLastAnswers));
+  if (http_) http_->stop(std::clamp(grace, kLeastPatience, kLastAnswers));
   if (grpc_) grpc_->stop(kLastAnswers);
   if (lifecycle_.move_to(LifecycleState::Stopped) && served) spdlog::info("stopped");
-  return http_ended;
+  return true;
 }
 
 }  // namespace burnish

@@ -67,6 +67,8 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
 
 const StatusRow& status_of(Cause cause) { return kRows.at(static_cast<std::size_t>(cause)); }
 
+bool comes_from_servers(Cause cause) { return cause != Cause::Unreachable && cause != Cause::FileError; }
+
 Cause cause_from_code(std::string_view code) {
   for (const StatusRow& row : kRows) {
     if (equal_ignoring_case(cause_code(row.cause), code)) return row.cause;

@@ -19,6 +19,9 @@ struct StatusRow {
 /// A row for every cause.
 const StatusRow& status_of(Cause cause);
 
+/// Whether a server can answer so; the other causes arise at the caller's side only.
+bool comes_from_servers(Cause cause);
+
 /// The cause with this code ("queue_full", or "QUEUE_FULL"); Internal for an unknown one.
 Cause cause_from_code(std::string_view code);
 

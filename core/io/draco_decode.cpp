@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/io/draco_document.h"
+#include "core/io/draco_guard.h"
 #include "core/io/draco_header.h"
 
 namespace burnish {
@@ -146,6 +147,11 @@ class GuardedDecoder final : public Base {
   bool DecodeConnectivity() override {
     return passes(admission_.declared(*this->buffer())) && Base::DecodeConnectivity() &&
            passes(admission_.connectivity(*this->mesh()));
+  }
+  bool CreateAttributesDecoder(std::int32_t id) override {
+    if (!Base::CreateAttributesDecoder(id)) return false;
+    auto guard = guarded(this->attributes_decoder(id));
+    return guard && this->SetAttributesDecoder(id, std::move(guard));
   }
   bool DecodeAllAttributes() override {
     return passes(admission_.attributes(*this->mesh())) && Base::DecodeAllAttributes();

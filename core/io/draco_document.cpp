@@ -227,7 +227,10 @@ Result<SharedAttributes> DracoDocument::shared_attributes(const MovedPositions& 
     const Attribute::Type type = attribute.attribute_type();
     const int components = attribute.num_components();
     if (type == Attribute::POSITION) continue;
-    if (type == Attribute::NORMAL && components == 3 && !shared.normals) {
+    if (attribute.data_type() == draco::DT_BOOL) {
+      // The library reads these bytes as bool, which only 0 and 1 may be.
+      shared.dropped.push_back(describe(attribute));
+    } else if (type == Attribute::NORMAL && components == 3 && !shared.normals) {
       auto normals = read_normals(attribute, moved, triangles_, run);
       if (!normals) return normals.error();
       shared.normals = *std::move(normals);

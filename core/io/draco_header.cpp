@@ -10,11 +10,6 @@ namespace {
 constexpr std::size_t kHeaderBytes = 11;      // "DRACO", version (2), geometry, method, flags (2)
 constexpr std::size_t kPeekBytes = 64 << 10;  // metadata stands before the counts, and is seldom longer
 
-/// Bytes of an unsigned count in the file, in either of its two historical forms.
-bool read_count(draco::DecoderBuffer& buffer, bool plain, std::uint32_t* count) {
-  return plain ? buffer.Decode(count) : draco::DecodeVarint(count, &buffer);
-}
-
 /// The library's decoder up to the counts.
 template <class Base>
 class CountsDecoder final : public Base {
@@ -41,6 +36,10 @@ class CountsDecoder final : public Base {
 };
 
 }  // namespace
+
+bool read_count(draco::DecoderBuffer& buffer, bool plain, std::uint32_t* count) {
+  return plain ? buffer.Decode(count) : draco::DecodeVarint(count, &buffer);
+}
 
 std::optional<DracoCounts> declared_counts(draco::DecoderBuffer buffer, DracoMethod method) {
   const auto version = buffer.bitstream_version();

@@ -14,6 +14,9 @@ struct DracoCounts {
   std::uint32_t triangles = 0, points = 0;
 };
 
+/// An unsigned count in the file, in either of its two historical forms: four bytes, or as many as it needs.
+bool read_count(draco::DecoderBuffer& buffer, bool plain, std::uint32_t* count);
+
 /// The counts ahead of `buffer`, which is a copy that stands before the connectivity; nothing when it ends
 /// too soon.
 std::optional<DracoCounts> declared_counts(draco::DecoderBuffer buffer, DracoMethod method);

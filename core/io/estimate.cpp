@@ -10,7 +10,7 @@ namespace {
 // Bytes of memory per thing in the file. Measured as the peak of `burnish smooth --threads 1` over that of a
 // mesh of one triangle, with 20 thousand to 1.5 million triangles: OBJ with and without normals and texture
 // coordinates, of triangles, quads and unshared vertices, and both Draco methods, lossless and quantised,
-// written as they were and as the other format. From 200 thousand triangles on these give 0.97 to 2 times the
+// written as they were and as the other format. From 200 thousand triangles on these give 1 to 2 times the
 // peak in the same format, and 0.83 times where quantised Draco with normals and texture coordinates becomes
 // OBJ.
 constexpr double kObjVertex = 70, kObjTriangle = 180, kObjRow = 45, kObjCitingTriangle = 24, kObjByte = 1;

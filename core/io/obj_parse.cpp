@@ -47,7 +47,8 @@ class ObjParser {
       // An endless line ends at its limit; one that fits still shows its end there.
       end_ = begin + (limits_.max_line_bytes < rest() ? limits_.max_line_bytes + 1 : rest());
       const auto line = parse_line();
-      if (!skip_line() && end_ != file_end_) return too_long(begin);
+      const bool endless = !skip_line() && static_cast<std::uint64_t>(at_ - begin) > limits_.max_line_bytes;
+      if (endless) return too_long(begin);
       if (!line) return line.error();
     }
     if (auto references = check_references(); !references) return references.error();

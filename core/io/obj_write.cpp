@@ -106,7 +106,8 @@ Result<Encoded> ObjDocument::encode_same(const MovedPositions& moved, const Outp
       },
       [&](std::size_t n) {
         const Vec3f& normal = normals.normals[n];
-        if (normals.touched[n] && !(normal == Vec3f{}))
+        // A bare "vn" has no place for numbers: they would become a part of the keyword.
+        if (normals.touched[n] && normal_text_[n].length > 0 && !(normal == Vec3f{}))
           units.append(patcher.replace(normal_text_[n]), to_double(normal));
       });
   if (!done) return run.stop_error();

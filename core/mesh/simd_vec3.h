@@ -15,11 +15,11 @@ class SimdVec3 {
   constexpr SimdVec3() = default;
   constexpr SimdVec3(float x, float y, float z) : lanes_{x, y, z, 0} {}
   explicit constexpr SimdVec3(const Vec3f& a) : lanes_{a.x, a.y, a.z, 0} {}
-  constexpr Vec3f vec3() const { return {lanes_[0], lanes_[1], lanes_[2]}; }
+  Vec3f vec3() const { return {lanes_[0], lanes_[1], lanes_[2]}; }
 
-  constexpr float x() const { return lanes_[0]; }
-  constexpr float y() const { return lanes_[1]; }
-  constexpr float z() const { return lanes_[2]; }
+  float x() const { return lanes_[0]; }
+  float y() const { return lanes_[1]; }
+  float z() const { return lanes_[2]; }
 
   SimdVec3& operator+=(SimdVec3 b) { return lanes_ += b.lanes_, *this; }
   SimdVec3& operator-=(SimdVec3 b) { return lanes_ -= b.lanes_, *this; }
@@ -40,10 +40,9 @@ class SimdVec3 {
  private:
   // The fourth lane stays 0, or -0; nothing reads it.
   using Lanes = float __attribute__((vector_size(16)));
-  using Order = int __attribute__((vector_size(16)));
   explicit constexpr SimdVec3(Lanes lanes) : lanes_(lanes) {}
-  Lanes turned() const { return __builtin_shuffle(lanes_, Order{1, 2, 0, 3}); }
-  Lanes turned_back() const { return __builtin_shuffle(lanes_, Order{2, 0, 1, 3}); }
+  Lanes turned() const { return __builtin_shufflevector(lanes_, lanes_, 1, 2, 0, 3); }
+  Lanes turned_back() const { return __builtin_shufflevector(lanes_, lanes_, 2, 0, 1, 3); }
 
   Lanes lanes_{};
 };

@@ -1,4 +1,4 @@
-// The gRPC side: SmoothingService, health and reflection on one port.
+// The gRPC side: SmoothingService, health and reflection on one address.
 #pragma once
 
 #include <chrono>
@@ -12,17 +12,13 @@
 
 namespace burnish {
 
-struct GrpcServerOptions {
-  Address listen;
-  std::uint64_t max_bytes = 0;  ///< of a mesh and of a reference, each
-  int max_streams = 128;        ///< calls at once on one connection
-};
-
 class GrpcServer {
  public:
-  /// Opens the port and answers calls; health says not serving until told otherwise.
-  /// Errors: BadOption when the port cannot open.
-  static Result<std::unique_ptr<GrpcServer>> start(const GrpcServerOptions& options, SmoothJobs& jobs);
+  /// Opens the address and answers calls; health says not serving until told otherwise. A Unix domain socket
+  /// that a dead server left is replaced. `idle`: CallLimits::idle. Errors: BadOption when the address cannot
+  /// be opened.
+  static Result<std::unique_ptr<GrpcServer>> start(const Config& config, Jobs& jobs,
+                                                   std::chrono::milliseconds idle = CallLimits().idle);
   ~GrpcServer();  ///< stop(zero)
 
   const Address& address() const { return address_; }  ///< with the port that was opened
@@ -30,12 +26,16 @@ class GrpcServer {
   /// What the health service says, for "" and for burnish.v1.SmoothingService.
   void set_serving(bool serving);
 
-  /// Waits until every answer to Smooth has been sent, for at most `patience`, then closes all connections.
-  /// Jobs must have been drained. Safe to repeat.
+  /// Answers ShuttingDown to every call whose bytes have not all come. Streams that start later are refused
+  /// by the lifecycle, which must have left Serving.
+  void refuse_uploads();
+
+  /// refuse_uploads(), then waits until every answer has been sent, for at most `patience`, then closes all
+  /// connections. Jobs must have been drained. Safe to repeat.
   void stop(std::chrono::milliseconds patience);
 
  private:
-  explicit GrpcServer(SmoothJobs& jobs) : handler_(jobs) {}
+  GrpcServer(Jobs& jobs, const CallLimits& limits) : handler_(jobs, limits) {}
 
   SmoothingHandler handler_;
   Address address_;

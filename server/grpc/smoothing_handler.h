@@ -1,44 +1,39 @@
 // burnish.v1.SmoothingService on gRPC's callback API. Nothing here blocks: jobs run on the runner's workers.
 #pragma once
 
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
-
 #include "burnish/v1/smoothing.grpc.pb.h"
-#include "server/jobs/jobs.h"
+#include "server/grpc/call.h"
 
 namespace burnish {
 
-/// How many calls are under way, from their arrival until their answer has been sent. Thread-safe.
-class CallCount {
+/// Every method gets its requests as bytes; messages.h says why.
+template <class Service>
+using WithRawMethods = typename Service::template WithRawCallbackMethod_Smooth<
+    typename Service::template WithRawCallbackMethod_SmoothStream<
+        typename Service::template WithRawCallbackMethod_Compare<
+            typename Service::template WithRawCallbackMethod_CompareStream<
+                typename Service::template WithRawCallbackMethod_ListMethods<typename Service::Service>>>>>;
+
+class SmoothingHandler final : public WithRawMethods<v1::SmoothingService> {
  public:
-  void enter();
-  void leave();
-  /// False when calls are still under way after `patience`.
-  bool wait_until_none(std::chrono::milliseconds patience);
+  SmoothingHandler(Jobs& jobs, const CallLimits& limits) : home_{jobs, limits} {}
+
+  grpc::ServerUnaryReactor* Smooth(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
+                                   grpc::ByteBuffer* response) override;
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SmoothStream(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* Compare(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
+                                    grpc::ByteBuffer* response) override;
+  grpc::ServerReadReactor<grpc::ByteBuffer>* CompareStream(grpc::CallbackServerContext* context,
+                                                           grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* ListMethods(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
+                                        grpc::ByteBuffer* response) override;
+
+  CallCount& calls() { return home_.calls; }
+  OpenUploads& uploads() { return home_.uploads; }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int calls_ = 0;  ///< guarded by mutex_
-};
-
-class SmoothingHandler final : public v1::SmoothingService::CallbackService {
- public:
-  explicit SmoothingHandler(SmoothJobs& jobs) : jobs_(jobs) {}
-
-  grpc::ServerUnaryReactor* Smooth(grpc::CallbackServerContext* context, const v1::SmoothRequest* request,
-                                   v1::SmoothResponse* response) override;
-  grpc::ServerUnaryReactor* ListMethods(grpc::CallbackServerContext* context,
-                                        const v1::ListMethodsRequest* request,
-                                        v1::ListMethodsResponse* response) override;
-
-  CallCount& calls() { return calls_; }
-
- private:
-  SmoothJobs& jobs_;
-  CallCount calls_;
+  CallHome home_;
 };
 
 }  // namespace burnish

@@ -1,8 +1,7 @@
 #include "server/http/gateway.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
+#include <cctype>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -10,10 +9,14 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/http/job_request.h"
+#include "server/http/media_type.h"
+#include "server/http/openapi.h"
 #include "server/http/problem.h"
-#include "server/http/report_header.h"
-#include "server/http/smooth_query.h"
+#include "server/http/routes.h"
+#include "server/http/smooth_answer.h"
 #include "server/observe/log.h"
+#include "server/observe/trace.h"
 
 namespace burnish {
 namespace {
@@ -24,25 +27,31 @@ using std::chrono::milliseconds;
 constexpr milliseconds kAskClientEvery{15};
 /// A job that polls its deadline answers within this; one inside a library call is not waited for.
 constexpr milliseconds kDeadlineSlack{25};
+constexpr std::size_t kLongestRequestId = 64;
 
-constexpr std::string_view kSmoothPath = "/v1/smooth";
-constexpr std::array<std::string_view, 4> kReadPaths{"/v1/methods", "/livez", "/readyz", "/metrics"};
+HttpResponse text(std::string body, std::string_view type) {
+  return {.headers = {{"Content-Type", std::string(type)}}, .body = std::move(body)};
+}
+HttpResponse plain(std::string body) { return text(std::move(body), "text/plain; charset=utf-8"); }
 
-HttpResponse text(std::string body, const char* type = "text/plain; charset=utf-8") {
-  return {.status = 200, .headers = {{"Content-Type", type}}, .body = std::move(body)};
+bool is_request_id(std::string_view id) {
+  return !id.empty() && id.size() <= kLongestRequestId && std::ranges::all_of(id, [](unsigned char c) {
+    return (c < 128 && std::isalnum(c)) || c == '.' || c == '_' || c == '-';
+  });
 }
 
 /// Where a job leaves its answer for the thread that waits for it. Shared, for either may be gone first.
+template <class T>
 class Answer {
  public:
-  void set(Result<SmoothResult> result) {
+  void set(Result<T> result) {
     const std::lock_guard lock(mutex_);
     result_ = std::move(result);
     changed_.notify_one();
   }
 
   /// The answer; Cancelled when `give_up` comes true, DeadlineExceeded when the job is late for its deadline.
-  Result<SmoothResult> wait(std::optional<Clock::time_point> deadline, const std::function<bool()>& give_up) {
+  Result<T> wait(std::optional<Clock::time_point> deadline, const std::function<bool()>& give_up) {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, kAskClientEvery, [this] { return result_.has_value(); })) {
       if (give_up()) return Error{Cause::Cancelled, "the client went away"};
@@ -56,22 +65,31 @@ class Answer {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<Result<SmoothResult>> result_;
+  std::optional<Result<T>> result_;
 };
 
-HttpResponse not_allowed(const std::string& path, bool to_smooth) {
-  const std::string allow = to_smooth ? "POST" : "GET, HEAD";
-  HttpResponse response = problem({Cause::MethodNotAllowed, path + " answers " + allow}, new_request_id());
-  response.headers["Allow"] = allow;
-  return response;
+/// The bytes that a job's views point to.
+std::vector<SharedBytes> meshes_of(const HttpRequest& request) {
+  std::vector<SharedBytes> meshes{request.body};
+  for (const FormPart& part : request.parts) meshes.push_back(part.content);
+  return meshes;
 }
 
-HttpResponse mesh_response(SmoothResult result, const std::string& request_id) {
-  return {.status = 200,
-          .headers = {{"Content-Type", result.format == Format::Obj ? "model/obj" : "model/vnd.draco"},
-                      {"Burnish-Report", report_header(result.report)},
-                      {"Burnish-Request-Id", request_id}},
-          .body = std::move(result.mesh)};
+/// Starts a job by `start(done)` and waits for it.
+template <class T, class Start>
+Result<T> run(const HttpRequest& request, const Caller& caller, const std::function<bool()>& client_gone,
+              const Start& start) {
+  const auto answer = std::make_shared<Answer<T>>();
+  auto handle =
+      start([answer, kept = meshes_of(request)](Result<T> result) { answer->set(std::move(result)); });
+  Result<T> result = answer->wait(caller.deadline, client_gone);
+  if (!result && handle && result.error().cause == Cause::Cancelled) handle->cancel();
+  return result;
+}
+
+std::optional<Clock::time_point> deadline_after(Timeout timeout) {
+  if (!timeout) return {};
+  return Clock::now() + *timeout;
 }
 
 }  // namespace
@@ -82,71 +100,145 @@ bool IgnoreCase::operator()(std::string_view a, std::string_view b) const {
       [](unsigned char c) { return std::tolower(c); });
 }
 
-Error body_too_large(std::uint64_t limit) {
-  return {Cause::TooLarge,
-          "the body has more than " + std::to_string(limit) + " bytes, the limit of this server"};
-}
+/// A request on its way to its answer.
+struct Gateway::Exchange {
+  explicit Exchange(const HttpRequest& of) : request(of), route(find_route(of.path)) {
+    caller.transport = Transport::Http;
+    if (route && route->endpoint == Endpoint::Compare) caller.kind = Kind::Compare;
+    if (const auto id = of.header("Burnish-Request-Id"); is_request_id(id)) caller.request_id = id;
+    caller.trace_id = trace_id_of(of.header("traceparent"));
+  }
+
+  bool is_work() const { return route && route->takes_meshes() && request.method == "POST"; }
+
+  const HttpRequest& request;
+  const Route* const route;  ///< null: no such path
+  Caller caller;
+};
+
+Gateway::Gateway(Jobs& jobs, GatewayOptions options)
+    : jobs_(jobs), cors_(std::move(options.cors_origins)), openapi_(openapi_document(jobs.limits())) {}
 
 std::optional<HttpResponse> Gateway::answer_head(const HttpRequest& request) {
-  const bool to_smooth = request.path == kSmoothPath;
-  if (!to_smooth && std::ranges::find(kReadPaths, request.path) == kReadPaths.end()) {
-    return problem({Cause::NotFound, "there is nothing at " + printable(request.path, 100)},
-                   new_request_id());
-  }
-  const bool reads = request.method == "GET" || request.method == "HEAD";
-  if (to_smooth ? request.method != "POST" : !reads) return not_allowed(request.path, to_smooth);
-  return to_smooth ? refuse_early(request) : answer_read(request.path);
-}
-
-HttpResponse Gateway::answer_read(std::string_view path) {
-  if (path == "/v1/methods") return text(to_json(list_methods(), false) + "\n", "application/json");
-  if (path == "/metrics") return text(jobs_.metrics_text(), "text/plain; version=0.0.4; charset=utf-8");
-  if (path == "/livez") return text("alive\n");
-  if (jobs_.serving()) return text("ready\n");
-  return problem({Cause::ShuttingDown, "the server does not take work now"}, new_request_id());
-}
-
-std::optional<HttpResponse> Gateway::refuse_early(const HttpRequest& request) {
-  if (!jobs_.serving()) return refuse({Cause::ShuttingDown, "the server is shutting down"});
-  if (const auto query = parse_smooth_query(request); !query) return refuse(query.error());
-  std::uint64_t length = 0;
-  const std::string_view digits = request.header("Content-Length");
-  std::from_chars(digits.data(), digits.data() + digits.size(), length);
-  if (length > jobs_.limits().max_bytes) return refuse(body_too_large(jobs_.limits().max_bytes));
-  return {};
+  Exchange exchange(request);
+  auto response = answer_head(exchange);
+  if (!response) return {};
+  return finish(exchange, *std::move(response));
 }
 
 HttpResponse Gateway::handle(const HttpRequest& request, const std::function<bool()>& client_gone) {
-  if (auto response = answer_head(request)) return *std::move(response);
-  return smooth(request, client_gone);
+  Exchange exchange(request);
+  auto response = answer_head(exchange);
+  if (!response) response = work(exchange, client_gone);
+  return finish(exchange, *std::move(response));
 }
 
-HttpResponse Gateway::smooth(const HttpRequest& request, const std::function<bool()>& client_gone) {
-  const auto query = parse_smooth_query(request);
-  if (!query) return refuse(query.error());
-  SmoothJob job;
-  job.mesh = request.body ? *request.body : std::string_view();
-  job.format = query.value().format;
-  job.options = query.value().options;
-  job.request_id = new_request_id();
-  const std::string id = job.request_id;
-  std::optional<Clock::time_point> deadline;
-  if (query.value().timeout) deadline = Clock::now() + *query.value().timeout;
-
-  const auto answer = std::make_shared<Answer>();
-  auto handle = jobs_.submit(
-      Transport::Http, std::move(job), deadline,
-      [answer, body = request.body](Result<SmoothResult> result) { answer->set(std::move(result)); });
-  Result<SmoothResult> result = answer->wait(deadline, client_gone);
-  if (result) return mesh_response(std::move(result).value(), id);
-  if (handle && result.error().cause == Cause::Cancelled) handle->cancel();
-  return problem(result.error(), id);
+HttpResponse Gateway::refuse(const HttpRequest& request, const Error& error) {
+  Exchange exchange(request);
+  return finish(exchange, refuse(exchange, error));
 }
 
-HttpResponse Gateway::refuse(const Error& error) {
-  const std::string id = new_request_id();
-  jobs_.record_refusal(Transport::Http, id, error);
-  return problem(error, id);
+HttpResponse Gateway::bad_request(int status, const Error& error) {
+  const Caller caller{.transport = Transport::Http};
+  jobs_.record_refusal(caller, error);
+  HttpResponse response = problem(error, caller.request_id, status);
+  response.headers["Burnish-Request-Id"] = caller.request_id;
+  return response;
+}
+
+std::optional<HttpResponse> Gateway::answer_head(Exchange& exchange) {
+  const auto& [request, route, caller] = exchange;
+  if (!route) return refuse(exchange, {Cause::NotFound, "there is nothing at " + request.path});
+  const std::string allow(route->verbs());
+  if (request.method == "OPTIONS") return HttpResponse{.status = 204, .headers = {{"Allow", allow}}};
+  if (exchange.is_work()) return refuse_early(exchange);
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (reads && !route->takes_meshes()) return answer_read(exchange);
+  HttpResponse response = refuse(exchange, {Cause::MethodNotAllowed, request.path + " answers " + allow});
+  response.headers["Allow"] = allow;
+  return response;
+}
+
+HttpResponse Gateway::answer_read(const Exchange& exchange) const {
+  switch (exchange.route->endpoint) {
+    case Endpoint::Methods:
+      return text(to_json(list_methods(), false) + "\n", kJsonType);
+    case Endpoint::OpenApi:
+      return text(openapi_, kJsonType);
+    case Endpoint::Metrics:
+      return text(jobs_.metrics_text(), "text/plain; version=0.0.4; charset=utf-8");
+    case Endpoint::Ready:
+      return jobs_.serving() ? plain("ready\n") : not_ready(exchange);
+    default:
+      return plain("alive\n");
+  }
+}
+
+HttpResponse Gateway::not_ready(const Exchange& exchange) const {
+  const auto taken = jobs_.expect({}, 0, 0);
+  const bool draining = !taken && taken.error().cause == Cause::ShuttingDown;
+  return problem({Cause::ShuttingDown, draining ? taken.error().message : "the workers stand still"},
+                 exchange.caller.request_id);
+}
+
+std::optional<HttpResponse> Gateway::refuse_early(Exchange& exchange) {
+  const auto expected = exchange.route->endpoint == Endpoint::Smooth
+                            ? expect_smooth(exchange.request, jobs_.service())
+                            : expect_compare(exchange.request, jobs_.limits());
+  if (!expected) return refuse(exchange, expected.error());
+  exchange.caller.deadline = deadline_after(expected->timeout);
+  const auto fits = jobs_.expect(exchange.caller, expected->mesh_bytes, expected->reference_bytes);
+  if (!fits) return refuse(exchange, fits.error());
+  return {};
+}
+
+HttpResponse Gateway::work(Exchange& exchange, const std::function<bool()>& client_gone) {
+  return exchange.route->endpoint == Endpoint::Smooth ? smooth(exchange, client_gone)
+                                                      : compare(exchange, client_gone);
+}
+
+HttpResponse Gateway::smooth(Exchange& exchange, const std::function<bool()>& client_gone) {
+  auto& [request, route, caller] = exchange;
+  auto read = read_smooth(request, jobs_.service());
+  if (!read) return refuse(exchange, read.error());
+  const auto type = choose_smooth_answer(request.header("Accept"), result_format(read->job));
+  if (!type) return refuse(exchange, type.error());
+  caller.deadline = deadline_after(read->timeout);
+  auto result = run<SmoothResult>(request, caller, client_gone, [&](Jobs::Done<SmoothResult> done) {
+    return jobs_.smooth(exchange.caller, std::move(read->job), std::move(done));
+  });
+  return result ? smooth_answer(*std::move(result), *type) : problem(result.error(), caller.request_id);
+}
+
+HttpResponse Gateway::compare(Exchange& exchange, const std::function<bool()>& client_gone) {
+  auto& [request, route, caller] = exchange;
+  auto read = read_compare(request);
+  if (!read) return refuse(exchange, read.error());
+  caller.deadline = deadline_after(read->timeout);
+  auto result = run<v1::CompareResponse>(request, caller, client_gone, [&](auto done) {
+    return jobs_.compare(exchange.caller, std::move(read->job), std::move(done));
+  });
+  return result ? text(to_json(*result, true) + "\n", kJsonType) : problem(result.error(), caller.request_id);
+}
+
+/// Only requests for work count as such; finish() logs the others.
+HttpResponse Gateway::refuse(Exchange& exchange, Error error) {
+  error.message = printable(error.message);
+  error.field = printable(error.field, 100);
+  if (exchange.is_work()) jobs_.record_refusal(exchange.caller, error);
+  return problem(error, exchange.caller.request_id);
+}
+
+HttpResponse Gateway::finish(const Exchange& exchange, HttpResponse response) const {
+  const auto& [request, route, caller] = exchange;
+  response.headers["Burnish-Request-Id"] = caller.request_id;
+  cors_.allow(request, response);
+  if (exchange.is_work()) return response;  // the jobs have logged it
+  spdlog::log(route && route->is_probe() ? spdlog::level::debug : spdlog::level::info,
+              "request id={}{}{} transport=http call={} {} status={}", caller.request_id,
+              caller.trace_id.empty() ? "" : " trace=", caller.trace_id, printable(request.method, 10),
+              printable(request.path, 100), response.status);
+  return response;
 }
 
 }  // namespace burnish

@@ -1,34 +1,47 @@
-// The gateway on a socket. The only part that knows the HTTP library, whose header takes long to compile.
+// The gateway on a socket: accepts clients, gives each a thread, ends them all.
 #pragma once
 
 #include <chrono>
-#include <cstdint>
+#include <cstddef>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "server/config.h"
+#include "server/http/connection.h"
 #include "server/http/gateway.h"
 
 namespace burnish {
 
 struct HttpServerOptions {
-  Address listen;
-  std::uint64_t max_bytes = 0;  ///< of a body
-  std::size_t smooth_calls =
-      0;  ///< requests to smooth that may be read or wait at once; more are refused at once
+  Address listen = {};
+  std::size_t max_connections = 1024;  ///< at once, each with a thread; more hear queue_full and are closed
+  HttpPatience patience = {};
 };
 
+HttpServerOptions http_options(const Config& config);
+
+/// Thread-safe. What it is given must outlive it.
 class HttpServer {
  public:
   /// Opens the port and answers requests. Errors: BadOption when the port cannot open.
-  static Result<std::unique_ptr<HttpServer>> start(const HttpServerOptions& options, Gateway& gateway);
-  ~HttpServer();  ///< stop(), however long it takes
+  static Result<std::unique_ptr<HttpServer>> start(const HttpServerOptions& options, Gateway& gateway,
+                                                   Jobs& jobs);
+  /// Only answer(); `options.listen` is ignored.
+  static std::unique_ptr<HttpServer> without_port(const HttpServerOptions& options, Gateway& gateway,
+                                                  Jobs& jobs);
+  ~HttpServer();  ///< stop(zero)
 
   const Address& address() const;  ///< with the port that was opened
 
-  /// Takes no new connections, finishes the responses under way, refuses requests whose body is still coming.
-  /// Requests must not wait for a job any more. True when all threads are gone; false when some are still
-  /// there after `patience`, because a client draws out the head of its request. Safe to repeat.
-  bool stop(std::chrono::milliseconds patience);
+  /// Answers the requests in `bytes` as if one client had sent them on one connection and then closed its
+  /// sending side. On this thread, without a socket.
+  std::string answer(std::string_view bytes);
+
+  /// Takes no new connections, finishes the answers under way for up to `patience`, refuses requests that are
+  /// still coming, closes every connection. Jobs of its requests must have ended or be able to: after
+  /// `patience` they are cancelled. Safe to repeat.
+  void stop(std::chrono::milliseconds patience);
 
  private:
   struct Impl;

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string>
 
+#include "server/http/body_reader.h"
 #include "server/http/media_type.h"
 #include "server/http/options_json.h"
 #include "server/http/smooth_answer.h"
@@ -18,7 +19,8 @@ constexpr std::uint64_t kFormFraming = 64 << 10;  // boundaries and part headers
 class Form {
  public:
   /// Errors: UnknownOption for another name than `names`, BadOption for one given twice.
-  static Result<Form> read(const std::vector<FormPart>& parts, std::initializer_list<std::string_view> names) {
+  static Result<Form> read(const std::vector<FormPart>& parts,
+                           std::initializer_list<std::string_view> names) {
     Form form;
     for (const FormPart& part : parts) {
       if (std::ranges::find(names, part.name) == names.end()) {
@@ -66,8 +68,8 @@ Result<JobRequest<SmoothJob>> read_smooth_form(const HttpRequest& request, const
   }
   const FormPart* const part = form->find("options");
   if (part) {
-    const auto alone =
-        check_only_timeout(request.query, Cause::BadOption, "belongs into the part 'options' of this request");
+    const auto alone = check_only_timeout(request.query, Cause::BadOption,
+                                          "belongs into the part 'options' of this request");
     if (!alone) return alone.error();
   }
   auto options = part ? parse_options_json(part->content.bytes, service) : parse_query_options(request.query);
@@ -86,14 +88,6 @@ Result<JobRequest<SmoothJob>> read_smooth_body(const HttpRequest& request) {
   read.job.format = *format;
   read.job.options = *std::move(options);
   return read;
-}
-
-/// The transport undoes gzip.
-Result<> check_encoding(const HttpRequest& head) {
-  const std::string encoding = media_type(head.header("Content-Encoding"));
-  if (encoding.empty() || encoding == "identity" || encoding == "gzip") return {};
-  return Error{Cause::UnsupportedFormat,
-               "Content-Encoding '" + encoding + "' is not supported; send gzip or the bytes as they are"};
 }
 
 /// How a form's bytes are shared out is not known yet: as the mesh first, the rest as the reference. Errors:
@@ -116,7 +110,8 @@ Result<ExpectedJob> expect_bytes(const HttpRequest& head, const RequestLimits& l
 }
 
 Result<ExpectedJob> expect(const HttpRequest& head, const RequestLimits& limits) {
-  if (auto plain = check_encoding(head); !plain) return plain.error();
+  const auto decoder = BodyDecoder::for_encoding(head.header("Content-Encoding"));
+  if (!decoder) return decoder.error();
   const auto timeout = parse_timeout(head.query);
   if (!timeout) return timeout.error();
   auto expected = expect_bytes(head, limits);

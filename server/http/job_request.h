@@ -22,9 +22,9 @@ struct ExpectedJob {
   Timeout timeout = {};
 };
 
-/// A raw body with options in the query, or a form with the parts mesh, reference and options; a form that has
-/// options takes none from the query. Errors: UnsupportedFormat; BadOption, UnknownOption, UnknownMethod, naming
-/// the option or the part; TooLarge.
+/// A raw body with options in the query, or a form with the parts mesh, reference and options; a form that
+/// has options takes none from the query. Errors: UnsupportedFormat; BadOption, UnknownOption, UnknownMethod,
+/// naming the option or the part; TooLarge.
 Result<JobRequest<SmoothJob>> read_smooth(const HttpRequest& request, const SmoothService& service);
 /// The same by the head alone; also NotAcceptable for an Accept header that takes nothing of what there is.
 Result<ExpectedJob> expect_smooth(const HttpRequest& head, const SmoothService& service);

@@ -24,8 +24,8 @@ bool is_form(std::string_view content_type);  ///< multipart/form-data
 /// sends unasked. Errors: UnsupportedFormat.
 Result<std::optional<Format>> mesh_format(std::string_view content_type);
 
-/// The offer that an Accept header likes best, by the quality of the most specific range; of equals the first.
-/// Without a header all are liked. Nothing: none is accepted.
+/// The offer that an Accept header likes best, by the quality of the most specific range; of equals the
+/// first. Without a header all are liked. Nothing: none is accepted.
 std::optional<std::string_view> best_offer(std::string_view accept, std::span<const std::string_view> offers);
 
 }  // namespace burnish

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -21,7 +22,7 @@ using google::protobuf::EnumValueDescriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-const std::string kRoot = "options";
+constexpr const char* kRoot = "options";
 
 Error expected(const std::string& place, const std::string& what) {
   return {Cause::BadOption, place + " must be " + what, place};
@@ -32,28 +33,34 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-/// MESH_FORMAT_OBJ is "obj": what MESH_FORMAT_UNSPECIFIED shares with it is cut.
-std::string short_name(const EnumValueDescriptor& value) {
-  const std::size_t prefix = value.type()->value(0)->name().size() - std::string_view("UNSPECIFIED").size();
-  return lower_case(value.name().substr(prefix));
+/// MESH_FORMAT_OBJ is "obj": what MESH_FORMAT_UNSPECIFIED shares with it is cut. Draco is also "drc", as
+/// everywhere else.
+std::map<std::string, const EnumValueDescriptor*> short_values(const EnumDescriptor& type) {
+  const std::size_t prefix = type.value(0)->name().size() - std::string_view("UNSPECIFIED").size();
+  std::map<std::string, const EnumValueDescriptor*> values;
+  for (int i = 1; i < type.value_count(); ++i) {
+    values[lower_case(type.value(i)->name().substr(prefix))] = type.value(i);
+  }
+  if (&type == v1::MeshFormat_descriptor())
+    values[std::string(format_name(Format::Draco))] = values.at("draco");
+  return values;
 }
 
 const EnumValueDescriptor* find_value(const EnumDescriptor& type, const std::string& name) {
   if (const auto* value = type.FindValueByName(name)) return value;
-  const std::string wanted = name == format_name(Format::Draco) ? "draco" : name;
-  for (int i = 1; i < type.value_count(); ++i) {
-    if (short_name(*type.value(i)) == wanted) return type.value(i);
-  }
-  return nullptr;
+  const auto values = short_values(type);
+  const auto found = values.find(name);
+  return found == values.end() ? nullptr : found->second;
 }
 
-std::string names_of(const EnumDescriptor& type) {
-  std::string names;
-  for (int i = 1; i < type.value_count(); ++i) names += (i > 1 ? " or \"" : "\"") + short_name(*type.value(i)) + '"';
-  return names;
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "\"" : " or \"") + name + '"';
+  return list;
 }
 
-Result<> read_uint32(const Json& from, Message& into, const FieldDescriptor& field, const std::string& place) {
+Result<> read_uint32(const Json& from, Message& into, const FieldDescriptor& field,
+                     const std::string& place) {
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
   const double value = from.is_number() ? from.get<double>() : -1;
   if (!(value >= 0 && value <= kMost) || std::floor(value) != value) {
@@ -63,7 +70,8 @@ Result<> read_uint32(const Json& from, Message& into, const FieldDescriptor& fie
   return {};
 }
 
-Result<> read_string(const Json& from, Message& into, const FieldDescriptor& field, const std::string& place) {
+Result<> read_string(const Json& from, Message& into, const FieldDescriptor& field,
+                     const std::string& place) {
   if (!from.is_string()) return expected(place, "a string");
   into.GetReflection()->SetString(&into, &field, from.get<std::string>());
   return {};
@@ -71,7 +79,7 @@ Result<> read_string(const Json& from, Message& into, const FieldDescriptor& fie
 
 Result<> read_enum(const Json& from, Message& into, const FieldDescriptor& field, const std::string& place) {
   const auto* value = from.is_string() ? find_value(*field.enum_type(), from.get<std::string>()) : nullptr;
-  if (!value) return expected(place, names_of(*field.enum_type()));
+  if (!value) return expected(place, list_of(short_names(*field.enum_type())));
   into.GetReflection()->SetEnum(&into, &field, value);
   return {};
 }
@@ -141,12 +149,22 @@ Result<> read_message(const Json& from, Message& into, const std::string& place)
 Error located(Error error) {
   const bool parameter = !error.field.empty() && error.field != "method" && error.field != "iterations" &&
                          !error.field.starts_with("output.");
-  error.field = kRoot + (parameter ? ".parameters." : error.field.empty() ? "" : ".") + error.field;
+  error.field = std::string(kRoot) +
+                (parameter             ? ".parameters."
+                 : error.field.empty() ? ""
+                                       : ".") +
+                error.field;
   error.message = error.field + ": " + error.message;
   return error;
 }
 
 }  // namespace
+
+std::vector<std::string> short_names(const EnumDescriptor& type) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : short_values(type)) names.push_back(name);
+  return names;
+}
 
 Result<v1::SmoothOptions> parse_options_json(std::string_view text, const SmoothService& service) {
   if (const auto most = service.limits().max_option_bytes; text.size() > most) {

@@ -1,7 +1,9 @@
 // The part `options` of a multipart request: SmoothOptions as JSON.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "burnish/v1/smoothing.pb.h"
 #include "server/service/smooth_service.h"
@@ -14,5 +16,8 @@ namespace burnish {
 /// UnknownMethod, and TooLarge (max-option-bytes); message and field hold the path,
 /// "options.output.draco.positionBits".
 Result<v1::SmoothOptions> parse_options_json(std::string_view text, const SmoothService& service);
+
+/// What an enum's values are called beside their full names, "unspecified" left out.
+std::vector<std::string> short_names(const google::protobuf::EnumDescriptor& type);
 
 }  // namespace burnish

@@ -23,9 +23,9 @@ struct Route {
 };
 
 inline constexpr std::array kRoutes{
-    Route{"/v1/smooth", Endpoint::Smooth},    Route{"/v1/compare", Endpoint::Compare},
-    Route{"/v1/methods", Endpoint::Methods},  Route{"/livez", Endpoint::Live},
-    Route{"/readyz", Endpoint::Ready},        Route{"/metrics", Endpoint::Metrics},
+    Route{"/v1/smooth", Endpoint::Smooth},     Route{"/v1/compare", Endpoint::Compare},
+    Route{"/v1/methods", Endpoint::Methods},   Route{"/livez", Endpoint::Live},
+    Route{"/readyz", Endpoint::Ready},         Route{"/metrics", Endpoint::Metrics},
     Route{"/openapi.json", Endpoint::OpenApi},
 };
 

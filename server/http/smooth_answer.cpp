@@ -16,11 +16,12 @@ constexpr std::size_t kPiece = 3 << 16;
 /// By hand, because a mesh is no string that a JSON library should hold, copy and escape.
 std::string to_smooth_response_json(const SmoothResult& result) {
   const std::string report = to_json(result.report, true);
-  const std::string_view mesh = result.mesh;
+  const absl::string_view mesh = result.mesh;  // Debian's absl has a type of its own
   std::string json;
   json.reserve((mesh.size() / 3 + 1) * 4 + report.size() + 100);
   json += R"({"mesh":")";
-  for (std::size_t at = 0; at < mesh.size(); at += kPiece) json += absl::Base64Escape(mesh.substr(at, kPiece));
+  for (std::size_t at = 0; at < mesh.size(); at += kPiece)
+    json += absl::Base64Escape(mesh.substr(at, kPiece));
   json += R"(","format":")" + v1::MeshFormat_Name(to_proto(result.format));
   json += R"(","report":)" + report + "}\n";
   return json;

@@ -8,8 +8,8 @@
 
 namespace burnish {
 
-/// The media type that an Accept header likes best: the mesh's own, application/octet-stream (the mesh too), or
-/// application/json. `format` of the mesh; unset: not known yet. Errors: NotAcceptable.
+/// The media type that an Accept header likes best: the mesh's own, application/octet-stream (the mesh too),
+/// or application/json. `format` of the mesh; unset: not known yet. Errors: NotAcceptable.
 Result<std::string_view> choose_smooth_answer(std::string_view accept, std::optional<Format> format);
 
 /// The format of the job's result, as far as it can be told without decoding.

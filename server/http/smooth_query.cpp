@@ -41,8 +41,8 @@ Result<> set_output(v1::SmoothOptions& options, const std::string& name, const s
 Result<> set_draco_method(v1::SmoothOptions& options, const std::string& name, const std::string& text) {
   if (text != "sequential" && text != "edgebreaker")
     return bad_value(name, text, "sequential or edgebreaker");
-  options.mutable_output()->mutable_draco()->set_method(
-      text == "sequential" ? v1::DRACO_METHOD_SEQUENTIAL : v1::DRACO_METHOD_EDGEBREAKER);
+  options.mutable_output()->mutable_draco()->set_method(text == "sequential" ? v1::DRACO_METHOD_SEQUENTIAL
+                                                                             : v1::DRACO_METHOD_EDGEBREAKER);
   return {};
 }
 

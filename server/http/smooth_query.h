@@ -38,8 +38,8 @@ Result<Timeout> parse_timeout(const Query& query);
 Result<> check_only_timeout(const Query& query, Cause cause, const std::string& why);
 
 /// method, output=obj|drc, draco_method=sequential|edgebreaker, the Draco numbers; every other name but
-/// timeout_ms is a parameter of the method. Errors: UnknownMethod, UnknownOption, BadOption (a name given twice,
-/// a bad value), each naming the parameter.
+/// timeout_ms is a parameter of the method. Errors: UnknownMethod, UnknownOption, BadOption (a name given
+/// twice, a bad value), each naming the parameter.
 Result<v1::SmoothOptions> parse_query_options(const Query& query);
 
 }  // namespace burnish

@@ -17,6 +17,10 @@ class StrictReader {
   explicit StrictReader(std::string root_name) : root_name_(std::move(root_name)) {}
 
   Result<Json> read(std::string_view text) {
+    // The parser takes a NUL for the end, whatever follows.
+    if (text.find('\0') != std::string_view::npos) {
+      return Error{Cause::BadOption, root_name_ + " is not valid: it holds a NUL byte", root_name_};
+    }
     if (!Json::sax_parse(text.begin(), text.end(), this)) return std::move(error_);
     return std::move(root_);
   }

@@ -50,8 +50,11 @@ JobCost cost_of(const CompareJob& job) {
 Kind kind_of(const SmoothJob&) { return Kind::Smooth; }
 Kind kind_of(const CompareJob&) { return Kind::Compare; }
 
-std::string_view method_of(const SmoothJob& job) { return job.options.method(); }
-std::string_view method_of(const CompareJob&) { return "compare"; }
+/// What ran; before it ran, what was asked for.
+std::string_view method_of(const SmoothJob& job, const SmoothResult* result) {
+  return result ? result->report.method() : job.options.method();
+}
+std::string_view method_of(const CompareJob&, const v1::CompareResponse*) { return "compare"; }
 
 const v1::MeshSummary& summary_of(const SmoothResult& result) { return result.report.input(); }
 const v1::MeshSummary& summary_of(const v1::CompareResponse& response) { return response.mesh(); }
@@ -177,7 +180,7 @@ void Jobs::finish(Call<Job, Answer>& call, Result<Answer> result) {
       "request id={}{} transport={} method={} bytes_in={} bytes_out={} vertices={} triangles={} outcome={} "
       "total_ms={:.1f} queue_ms={:.1f}{}{}",
       call.caller.request_id, trace_field(call.caller.trace_id), transport_name(transport),
-      printable(method_of(job), 40), in, out, input.vertices(), input.triangles(),
+      printable(method_of(job, result ? &*result : nullptr), 40), in, out, input.vertices(), input.triangles(),
       error ? cause_code(error->cause) : "ok", total.count(), job.queue_ms, error ? " detail=" : "",
       error ? error->message : "");
   if (result) metrics_.observe(kind, timings_of(*result));

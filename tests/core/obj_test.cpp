@@ -103,6 +103,18 @@ TEST(Obj, RecomputesNormalsAsAngleWeightedSums) {
   EXPECT_EQ(lines(loaded.write(after))[3], "vn -0.707107 0.000000 0.707107");
 }
 
+// Found by the fuzzer: the recomputed normal was written right behind the keyword, "vn-0.70...", which no
+// reader takes for a normal.
+TEST(Obj, LeavesANormalWithoutNumbersAsItIs) {
+  const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn\nvn # none\nvn 1\nf 1//1 2//2 3//3\n";
+  const Loaded loaded(text);
+  auto after = loaded.surface.mesh.positions;
+  after[1].z += after[1].x - after[0].x;
+  const auto is = lines(loaded.write(after));
+  EXPECT_THAT(std::vector(is.begin() + 3, is.begin() + 6),
+              ElementsAre("vn", "vn # none", "vn -0.707107 0.000000 0.707107"));
+}
+
 TEST(Obj, KeepsTheDigitsOfCoordinatesFarFromTheOrigin) {
   const std::string text = "v 5000000.125 0 0\nv 5000001.125 0 0\nv 5000000.125 1 0\nf 1 2 3\n";
   const Loaded loaded(text);
@@ -191,12 +203,56 @@ TEST(Obj, AcceptsWhatScannersWrite) {
   }
 }
 
-TEST(Obj, HoldsItsLimits) {
+TEST(Obj, HoldsItsLimitsAndNamesThem) {
   const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\n";
-  EXPECT_EQ(error_of(text, {.max_vertices = 3}).cause, Cause::TooLarge);
-  EXPECT_EQ(error_of(text, {.max_triangles = 1}).cause, Cause::TooLarge);
-  EXPECT_EQ(error_of(text, {.max_bytes = 10}).cause, Cause::TooLarge);
-  EXPECT_EQ(error_of(text).message, "accepted");
+  struct Row {
+    Limits limits;
+    const char* says;
+  };
+  const Row rows[] = {
+      {{.max_vertices = 3}, "more than 3 vertices (max-vertices) (line 4)"},
+      {{.max_triangles = 1}, "more than 1 triangles (max-triangles) (line 5)"},
+      {{.max_bytes = 10}, "the limit is 10 (max-bytes)"},
+      {{.max_line_bytes = 8}, "a line has more than 8 bytes (max-line-bytes) (line 5)"},
+  };
+  for (const Row& row : rows) {
+    const Error error = error_of(text, row.limits);
+    EXPECT_EQ(error.cause, Cause::TooLarge) << row.says;
+    EXPECT_THAT(error.message, HasSubstr(row.says));
+  }
+  EXPECT_EQ(error_of(text, {.max_line_bytes = 9}).message, "accepted");
+}
+
+TEST(Obj, RefusesALineOverItsLimitWhateverItHolds) {
+  const std::string head = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", tail = "\nf 1 2 3\n";
+  const auto many = [](const std::string& part) {
+    std::string text;
+    while (text.size() < 200) text += part;
+    return text;
+  };
+  for (const std::string& line :
+       {"# " + many("comment"), many("g"), "v " + many("0"), "v 0 0 0 " + many("1 "), "vt" + many(" 0"),
+        "vn " + many("0"), "f" + many(" 1/1"), "f 1 2 " + many("3"), many(" "), many("\\\n"),
+        "v 0 \\\r\n" + many(" \\\n") + "0 0", many("f")}) {
+    const Error refused = error_of(head + line + tail, {.max_line_bytes = 100});
+    EXPECT_EQ(refused.cause, Cause::TooLarge) << line;
+    EXPECT_THAT(refused.message, HasSubstr("(max-line-bytes) (line 4)")) << line;
+  }
+  // At the end of the file, with and without a line end.
+  for (const char* end : {"", "\n", "\r\n", "\r"}) {
+    EXPECT_EQ(error_of("f 1 2 3\n" + head + "# 345678901" + end, {.max_line_bytes = 10}).cause,
+              Cause::TooLarge);
+    EXPECT_EQ(error_of("f 1 2 3\n" + head + "# 34567890" + end, {.max_line_bytes = 10}).message, "accepted");
+  }
+}
+
+TEST(Obj, NoticesItsDeadlineAmongLongLines) {
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (int line = 0; line < 64; ++line) text += '#' + std::string(1 << 19, ' ') + '\n';
+  const auto soon = RunControl::Clock::now() + std::chrono::microseconds(100);
+  const auto result = decode(text, Format::Obj, {}, {.deadline = soon});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().cause, Cause::DeadlineExceeded);
 }
 
 TEST(Obj, MeetsEveryTruncationWithAnAnswer) {

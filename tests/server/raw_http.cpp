@@ -4,23 +4,36 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdint>
-#include <stdexcept>
+#include <utility>
 
 namespace burnish::testing {
 
 RawHttp::RawHttp(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-  const timeval patience{.tv_sec = 60, .tv_usec = 0};
-  ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) close();
+  connect(&address, sizeof(address));
+}
+
+RawHttp::RawHttp(const std::string& unix_path) : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  unix_path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  connect(&address, sizeof(address));
+}
+
+void RawHttp::connect(const void* address, unsigned size) {
+  const timeval patience{.tv_sec = 60, .tv_usec = 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  if (::connect(socket_, static_cast<const sockaddr*>(address), size) != 0) close();
 }
 
 RawHttp::~RawHttp() { close(); }
@@ -29,6 +42,14 @@ void RawHttp::close() {
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;
 }
+
+void RawHttp::reset() {
+  const linger none{.l_onoff = 1, .l_linger = 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &none, sizeof(none));
+  close();
+}
+
+void RawHttp::half_close() { ::shutdown(socket_, SHUT_WR); }
 
 bool RawHttp::send(std::string_view bytes) {
   while (!bytes.empty()) {
@@ -79,11 +100,30 @@ std::string RawHttp::read(std::size_t size) {
   return result;
 }
 
+std::string RawHttp::read_all() {
+  while (fill()) {
+  }
+  return std::exchange(buffer_, {});
+}
+
 HttpResponse RawHttp::read_response(bool expect_body) {
   HttpResponse response = read_head();
+  while (response.status == 100) response = read_head();
   const auto length = response.headers.find("Content-Length");
   if (expect_body && length != response.headers.end()) response.body = read(std::stoul(length->second));
   return response;
+}
+
+std::string chunked(std::string_view body, std::size_t size) {
+  std::string chunks;
+  while (!body.empty()) {
+    const std::string_view piece = body.substr(0, size);
+    std::array<char, 20> length{};
+    const auto end = std::to_chars(length.data(), length.data() + length.size(), piece.size(), 16).ptr;
+    chunks.append(length.data(), end).append("\r\n").append(piece).append("\r\n");
+    body.remove_prefix(piece.size());
+  }
+  return chunks;
 }
 
 HttpResponse http_call(int port, std::string_view method, std::string_view target, std::string_view body,

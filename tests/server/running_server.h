@@ -9,10 +9,9 @@
 #include <string>
 
 #include "burnish/v1/smoothing.grpc.pb.h"
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
 #include "server/server.h"
 #include "tests/server/raw_http.h"
+#include "tests/server/running_grpc.h"
 
 namespace burnish::testing {
 
@@ -27,11 +26,7 @@ class RunningServer {
  public:
   explicit RunningServer(const Config& config = any_port(), SmoothFunction smooth = {})
       : server_(std::move(Server::start(config, std::move(smooth)).value())) {
-    grpc::ChannelArguments arguments;
-    arguments.SetMaxReceiveMessageSize(-1);
-    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // each test its own connection
-    channel_ = grpc::CreateCustomChannel(server_->grpc_address().text(), grpc::InsecureChannelCredentials(),
-                                         arguments);
+    channel_ = connect(server_->grpc_address());
     stub_ = v1::SmoothingService::NewStub(channel_);
   }
 
@@ -63,23 +58,5 @@ class RunningServer {
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::SmoothingService::Stub> stub_;
 };
-
-/// The detail of type `Detail` in a failed status.
-template <class Detail>
-std::optional<Detail> detail_of(const grpc::Status& status) {
-  google::rpc::Status rich;
-  if (!rich.ParseFromString(status.error_details())) return {};
-  for (const auto& any : rich.details()) {
-    Detail detail;
-    if (any.UnpackTo(&detail)) return detail;
-  }
-  return {};
-}
-
-/// "QUEUE_FULL", or empty.
-inline std::string reason_of(const grpc::Status& status) {
-  const auto info = detail_of<google::rpc::ErrorInfo>(status);
-  return info ? info->reason() : "";
-}
 
 }  // namespace burnish::testing

@@ -168,10 +168,11 @@ TEST(Server, RefusesAtOnceOnBothTransportsWhenTheQueueIsFull) {
   const grpc::Status status = server.smooth_mesh("mesh");
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(reason_of(status), "QUEUE_FULL");
-  EXPECT_EQ(testing::detail_of<google::rpc::RetryInfo>(status)->retry_delay().seconds(), 1);
+  EXPECT_LE(testing::detail_of<google::rpc::RetryInfo>(status)->retry_delay().seconds(), 2)
+      << "two jobs, a second each until it is known better";
   const HttpResponse response = server.http("POST", "/v1/smooth", "mesh");
   EXPECT_EQ(response.status, 429);
-  EXPECT_EQ(response.headers.at("Retry-After"), "1");
+  EXPECT_EQ(response.headers.at("Retry-After"), "2");
   gate.open();
   EXPECT_EQ(accepted.outcomes(), (std::map<std::string, int>{{"ok", 2}}));
 }
@@ -203,9 +204,9 @@ TEST(Server, AnswersADeadlineOnBothTransportsAndFreesTheWorker) {
   EXPECT_TRUE(eventually([&] { return server->runner().running() == 0; }));
   EXPECT_TRUE(eventually([&] {
     const std::string metrics = server.http("GET", "/metrics").body;
-    return metrics.find("outcomes_total{code=\"deadline_exceeded\",transport=\"grpc\"} 1") !=
+    return metrics.find("outcomes_total{code=\"deadline_exceeded\",kind=\"smooth\",transport=\"grpc\"} 1") !=
                std::string::npos &&
-           metrics.find("outcomes_total{code=\"deadline_exceeded\",transport=\"http\"} 1") !=
+           metrics.find("outcomes_total{code=\"deadline_exceeded\",kind=\"smooth\",transport=\"http\"} 1") !=
                std::string::npos;
   })) << "the server, too, calls it a deadline";
 }
@@ -215,11 +216,12 @@ class Watched {
  public:
   SmoothFunction smoother() {
     return [this](const SmoothJob& job, const RunControl& run) {
-      RunControl watched = run;
-      watched.progress = [this](double fraction) {
-        if (fraction > 0 && !iterating_.exchange(true)) started_.set_value();
+      SmoothJob watched = job;
+      watched.progress = [this](v1::SmoothStage stage, double fraction) {
+        const bool iterates = stage == v1::SMOOTH_STAGE_SMOOTH && fraction > 0;
+        if (iterates && !iterating_.exchange(true)) started_.set_value();
       };
-      return SmoothService().smooth(job, watched);
+      return SmoothService().smooth(watched, run);
     };
   }
   void wait_for_iterations() { started_.get_future().wait(); }
@@ -230,7 +232,7 @@ class Watched {
 };
 
 /// With 100000 iterations a job of minutes.
-std::string large_mesh() { return testing::to_obj(testing::with_noise(testing::grid(300), 0.001)); }
+std::string large_mesh() { return testing::to_obj(testing::with_noise(testing::grid(250), 0.001)); }
 
 /// Away from oneTBB, which the thread sanitizer does not understand: suppressing its reports takes minutes.
 Config one_core() {
@@ -378,6 +380,19 @@ TEST(Server, DoesNotWaitForClientsThatOnlyStayConnected) {
   grpc::Status status;
   watch->Finish(&status, nullptr);
   queue.Next(&tag, &ok);
+}
+
+TEST(Server, StopsWhileAStreamIsStillComing) {
+  RunningServer server;
+  grpc::ClientContext context;
+  const auto stream = server.stub().SmoothStream(&context);
+  v1::SmoothStreamRequest message;
+  message.mutable_start();
+  ASSERT_TRUE(stream->Write(message));
+  const auto begin = Clock::now();
+  server->stop(60s);
+  EXPECT_EQ(reason_of(stream->Finish()), "SHUTTING_DOWN");
+  EXPECT_LT(Clock::now() - begin, 10s) << "nobody waits for bytes that may never come";
 }
 
 TEST(Server, StopsWhileABodyIsStillComing) {

@@ -1,0 +1,319 @@
+// What is refused over gRPC, with which words, and when.
+#include <grpcpp/generic/generic_stub.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/grpc/grpc_status.h"
+#include "server/grpc/upload.h"
+#include "tests/server/gate.h"
+#include "tests/server/running_grpc.h"
+
+namespace burnish {
+namespace {
+
+using testing::detail_of;
+using testing::Gate;
+using testing::reason_of;
+using testing::RunningGrpc;
+using testing::SmoothCall;
+
+constexpr std::string_view kTetrahedron =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+v1::SmoothStart declares(std::uint64_t mesh, std::uint64_t reference = 0) {
+  v1::SmoothStart start;
+  start.set_mesh_bytes(mesh);
+  start.set_reference_bytes(reference);
+  return start;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(GrpcRules, OfAStreamAreNamedWhenBroken) {
+  struct Row {
+    const char* name;
+    std::function<void(SmoothCall&)> misbehave;
+    const char* sentence;
+    bool before_the_end;  ///< answered although the caller has not ended its writes
+  };
+  const Row rows[] = {
+      {"nothing", [](SmoothCall& call) { call.stream->WritesDone(); }, "ended before its start", false},
+      {"no start", [](SmoothCall& call) { call.mesh("v"); }, "mesh came before the start", true},
+      {"reference first", [](SmoothCall& call) { call.reference("v"); }, "reference came before", true},
+      {"two starts", [](SmoothCall& call) { call.start(), call.start(); }, "a second start", true},
+      {"late start", [](SmoothCall& call) { call.start(), call.mesh("v"), call.start(); }, "second start",
+       true},
+      {"no part", [](SmoothCall& call) { call.start(), call.stream->Write({}); }, "neither a start", true},
+      {"empty chunk", [](SmoothCall& call) { call.start(), call.mesh(""); }, "mesh is empty", true},
+      {"no mesh", [](SmoothCall& call) { call.start(), call.stream->WritesDone(); }, "without a mesh", false},
+      {"reference only", [](SmoothCall& call) { call.start(), call.reference("v"), call.upload(""); },
+       "without a mesh", false},
+      {"too many", [](SmoothCall& call) { call.start(declares(3)), call.mesh("1234"); }, "than the 3", true},
+      {"too few", [](SmoothCall& call) { call.start(declares(5)), call.upload("1234"); }, "after 4 of the 5",
+       false},
+      {"chunk after all", [](SmoothCall& call) { call.start(declares(1)), call.mesh("1"), call.mesh("2"); },
+       "than the 1", true},
+      {"half a reference",
+       [](SmoothCall& call) { call.start(declares(4, 9)), call.reference("12"), call.upload("1234"); },
+       "after 2 of the 9 bytes of the reference", false},
+      {"missing reference", [](SmoothCall& call) { call.start(declares(4, 9)), call.upload("1234"); },
+       "after 0 of the 9 bytes of the reference", false},
+  };
+  RunningGrpc server;
+  for (const Row& row : rows) {
+    SmoothCall call(server);
+    row.misbehave(call);
+    const grpc::Status status = call.finish();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << row.name;
+    EXPECT_EQ(reason_of(status), "BAD_REQUEST") << row.name;
+    EXPECT_TRUE(contains(status.error_message(), row.sentence)) << row.name << ": " << status.error_message();
+  }
+  EXPECT_TRUE(server.forgets_everything());
+}
+
+TEST(GrpcRules, OfCompareStreamAreTheSameAndItNeedsAReference) {
+  RunningGrpc server;
+  for (const bool started : {false, true}) {
+    grpc::ClientContext context;
+    v1::CompareResponse response;
+    const auto stream = server.stub().CompareStream(&context, &response);
+    v1::CompareStreamRequest message;
+    message.mutable_start();
+    if (started) stream->Write(message);
+    message.set_mesh_chunk("v");
+    stream->Write(message);
+    stream->WritesDone();
+    const grpc::Status status = stream->Finish();
+    EXPECT_EQ(reason_of(status), "BAD_REQUEST");
+    EXPECT_TRUE(contains(status.error_message(), started ? "without a reference" : "before the start"))
+        << status.error_message();
+  }
+}
+
+TEST(GrpcRules, OfSizeHoldWhileTheBytesArrive) {
+  Config config;
+  config.limits.mesh.max_bytes = 1000;
+  RunningGrpc server({.config = config});
+  for (const bool of_mesh : {true, false}) {
+    SmoothCall call(server);
+    call.start();
+    for (int i = 0; i < 11; ++i)
+      of_mesh ? call.mesh(std::string(100, '#')) : call.reference(std::string(100, '#'));
+    const grpc::Status status = call.finish();
+    EXPECT_EQ(reason_of(status), "TOO_LARGE");
+    EXPECT_TRUE(contains(status.error_message(), "1000 bytes (max-bytes)")) << status.error_message();
+  }
+}
+
+TEST(GrpcRules, RefuseAStartBeforeTheFirstByte) {
+  struct Row {
+    const char* reason;
+    const char* field;
+    std::function<void(v1::SmoothStart&)> set;
+  };
+  const Row rows[] = {
+      {"UNKNOWN_METHOD", "method", [](auto& start) { start.mutable_options()->set_method("magic"); }},
+      {"BAD_OPTION", "iterations", [](auto& start) { start.mutable_options()->set_iterations(100'001); }},
+      {"BAD_OPTION", "format", [](auto& start) { start.set_format(static_cast<v1::MeshFormat>(7)); }},
+      {"BAD_OPTION", "reference_format",
+       [](auto& start) { start.set_reference_format(static_cast<v1::MeshFormat>(-1)); }},
+      {"TOO_LARGE", "", [](auto& start) { start.set_mesh_bytes(std::uint64_t{1} << 60); }},
+      {"TOO_LARGE", "", [](auto& start) { start.set_reference_bytes(std::uint64_t{1} << 60); }},
+  };
+  RunningGrpc server;
+  for (const Row& row : rows) {
+    SmoothCall call(server);
+    v1::SmoothStart start;
+    row.set(start);
+    call.start(start);
+    const grpc::Status status = call.finish();
+    EXPECT_EQ(reason_of(status), row.reason) << status.error_message();
+    const auto blamed = detail_of<google::rpc::BadRequest>(status);
+    EXPECT_EQ(blamed ? blamed->field_violations(0).field() : "", row.field);
+  }
+}
+
+TEST(GrpcRules, RefuseAStreamBeforeItsStartWhenTheQueueIsFull) {
+  Gate gate;
+  Config config;
+  config.workers = 1;
+  config.queue = 0;
+  RunningGrpc server({.config = config, .smooth = gate.smoother()});
+  SmoothCall first(server);
+  first.start();
+  first.upload("mesh");
+  gate.wait_for(1);
+  const grpc::Status status = SmoothCall(server).finish();
+  EXPECT_EQ(reason_of(status), "QUEUE_FULL");
+  EXPECT_TRUE(detail_of<google::rpc::RetryInfo>(status).has_value());
+  gate.open();
+  EXPECT_TRUE(first.finish().ok());
+}
+
+TEST(GrpcRules, NameTheStreamForUnaryCallsOverTheLimit) {
+  RunningGrpc server;
+  const std::string large(9'000'000, '#');
+  grpc::ClientContext smooth_context, compare_context;
+  v1::SmoothRequest smooth;
+  v1::SmoothResponse smoothed;
+  smooth.set_mesh(large);
+  const grpc::Status status = server.stub().Smooth(&smooth_context, smooth, &smoothed);
+  EXPECT_EQ(reason_of(status), "TOO_LARGE");
+  EXPECT_EQ(status.error_message(),
+            "the request has " + std::to_string(smooth.ByteSizeLong()) +
+                " bytes, a unary call carries 8388608 (max-unary-bytes); use SmoothStream");
+  v1::CompareRequest compare;
+  v1::CompareResponse compared;
+  compare.set_mesh(large);
+  const grpc::Status other = server.stub().Compare(&compare_context, compare, &compared);
+  EXPECT_EQ(reason_of(other), "TOO_LARGE");
+  EXPECT_TRUE(contains(other.error_message(), "use CompareStream")) << other.error_message();
+}
+
+TEST(GrpcRules, RefuseAFormatThatDoesNotExist) {
+  RunningGrpc server;
+  grpc::ClientContext context;
+  v1::SmoothRequest request;
+  v1::SmoothResponse response;
+  request.set_mesh(std::string(kTetrahedron));
+  request.set_format(static_cast<v1::MeshFormat>(9));
+  const grpc::Status status = server.stub().Smooth(&context, request, &response);
+  EXPECT_EQ(reason_of(status), "BAD_OPTION");
+  EXPECT_EQ(detail_of<google::rpc::BadRequest>(status)->field_violations(0).field(), "format");
+}
+
+/// One call with bytes of one's own choice.
+grpc::Status send_bytes(RunningGrpc& server, const std::string& method, const std::string& bytes,
+                        grpc::ByteBuffer* answer = nullptr, const grpc::ChannelArguments& arguments = {}) {
+  grpc::GenericStub stub(testing::connect(server.server().address(), arguments));
+  grpc::ClientContext context;
+  grpc::CompletionQueue queue;
+  const auto wait = [&queue] {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue.Next(&tag, &ok) && ok;
+  };
+  const grpc::Slice slice(bytes);
+  grpc::ByteBuffer received;
+  const auto call = stub.PrepareCall(&context, "/burnish.v1.SmoothingService/" + method, &queue);
+  call->StartCall(nullptr);
+  wait();
+  call->WriteLast(grpc::ByteBuffer(&slice, 1), grpc::WriteOptions(), nullptr);
+  wait();
+  call->Read(&received, nullptr);
+  if (wait() && answer) *answer = received;
+  grpc::Status status;
+  call->Finish(&status, nullptr);
+  wait();
+  return status;
+}
+
+TEST(GrpcRules, CallBytesThatAreNoMessageABadRequest) {
+  RunningGrpc server;
+  // A field of wire type 7; half a field; what looks like gzip.
+  for (const std::string& noise :
+       {std::string("\xff\xff\xff"), std::string("\x0a\x05xyz"), std::string("\x1f\x8b\x08 zip")}) {
+    for (const char* method : {"Smooth", "SmoothStream", "Compare", "CompareStream", "ListMethods"}) {
+      const grpc::Status status = send_bytes(server, method, noise);
+      EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << method;
+      EXPECT_EQ(reason_of(status), "BAD_REQUEST") << method;
+    }
+  }
+  EXPECT_TRUE(server.forgets_everything());
+}
+
+grpc::Status smooth_gzipped(RunningGrpc& server, const std::string& mesh, v1::SmoothResponse& response) {
+  grpc::ClientContext context;
+  context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
+  v1::SmoothRequest request;
+  request.set_mesh(mesh);
+  return server.stub().Smooth(&context, request, &response);
+}
+
+TEST(GrpcRules, TakeGzipWithinTheLimitAndNoBombs) {
+  Config config;
+  config.max_unary_bytes = 1'000'000;
+  RunningGrpc server({.config = config});
+  v1::SmoothResponse response;
+  const std::string mesh = std::string(kTetrahedron) + std::string(500'000, '#');
+  EXPECT_TRUE(smooth_gzipped(server, mesh, response).ok());
+  EXPECT_TRUE(contains(response.mesh(), std::string(500'000, '#')));
+  const grpc::Status bomb = smooth_gzipped(server, std::string(300'000'000, '#'), response);
+  EXPECT_EQ(reason_of(bomb), "TOO_LARGE");
+  EXPECT_TRUE(contains(bomb.error_message(), "more than 1000000 bytes")) << bomb.error_message();
+}
+
+/// The first byte of the answer as it was sent: 0x1f when it is gzip.
+int first_byte_sent(RunningGrpc& server, const grpc::ChannelArguments& accepted) {
+  grpc::ChannelArguments arguments(accepted);
+  arguments.SetInt(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+  grpc::ByteBuffer answer;
+  EXPECT_TRUE(send_bytes(server, "ListMethods", "", &answer, arguments).ok());
+  std::vector<grpc::Slice> slices;
+  return answer.Dump(&slices).ok() && !slices.empty() && slices[0].size() > 0 ? *slices[0].begin() : -1;
+}
+
+TEST(GrpcRules, CompressAnswersOnlyWhenAskedToAndForCallersThatAccept) {
+  grpc::ChannelArguments everything, identity;
+  identity.SetInt(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1 << GRPC_COMPRESS_NONE);
+  for (const bool compress : {false, true}) {
+    Config config;
+    config.grpc_compression = compress;
+    RunningGrpc server({.config = config});
+    EXPECT_EQ(first_byte_sent(server, everything) == 0x1f, compress);
+    EXPECT_NE(first_byte_sent(server, identity), 0x1f);
+  }
+}
+
+TEST(GrpcRules, GiveEveryErrorItsRequestIdInTheMetadataToo) {
+  RunningGrpc server;
+  grpc::ClientContext context;
+  v1::SmoothResponse response;
+  const grpc::Status status = server.stub().Smooth(&context, {}, &response);
+  const auto info = detail_of<google::rpc::ErrorInfo>(status);
+  ASSERT_TRUE(info.has_value());
+  const auto& metadata = context.GetServerInitialMetadata();
+  const auto id = metadata.find("burnish-request-id");
+  ASSERT_NE(id, metadata.end());
+  EXPECT_EQ(std::string(id->second.data(), id->second.size()), info->metadata().at("request_id"));
+}
+
+TEST(GrpcStatus, SaysWhenToTryAgain) {
+  const auto delay = [](const Error& error) {
+    const auto retry = detail_of<google::rpc::RetryInfo>(to_grpc_status(error, "id"));
+    return retry ? retry->retry_delay().seconds() * 1000 + retry->retry_delay().nanos() / 1'000'000 : -1;
+  };
+  EXPECT_EQ(delay({Cause::QueueFull, "full", "", std::chrono::milliseconds(2500)}), 2500);
+  EXPECT_EQ(delay({Cause::Internal, "odd", "", std::chrono::milliseconds(7)}), 7);
+  for (const Cause cause : all_causes()) {
+    const bool passes =
+        cause == Cause::QueueFull || cause == Cause::MemoryFull || cause == Cause::ShuttingDown;
+    EXPECT_EQ(delay({cause, "no time known"}), passes ? 1000 : -1) << cause_code(cause);
+  }
+}
+
+TEST(GrpcStatus, FitsForeignTextIntoMetadata) {
+  const grpc::Status status = to_grpc_status({Cause::BadOption, std::string(100'000, '\xff'), "f\n"}, "id");
+  EXPECT_LT(status.error_message().size() + status.error_details().size(), 8000u);
+  EXPECT_EQ(detail_of<google::rpc::BadRequest>(status)->field_violations(0).field(), "f?");
+}
+
+TEST(Upload, KeepsBothPartsApart) {
+  Spool spool;
+  Upload upload(spool, 100);
+  ASSERT_TRUE(upload.start({}).ok());
+  ASSERT_TRUE(upload.append(UploadPart::Mesh, "me").ok());
+  ASSERT_TRUE(upload.append(UploadPart::Reference, "ref").ok());
+  ASSERT_TRUE(upload.append(UploadPart::Mesh, "sh").ok());
+  ASSERT_TRUE(upload.finish(true).ok());
+  EXPECT_EQ(upload.mesh(), "mesh");
+  EXPECT_EQ(upload.reference(), "ref");
+}
+
+}  // namespace
+}  // namespace burnish
