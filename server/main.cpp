@@ -2,7 +2,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <future>
 
@@ -25,14 +24,14 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-/// Drains; one more signal cuts the grace period short. False when slow clients are left.
-bool stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
+/// Drains; one more signal cuts the grace period short.
+void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
   auto draining = std::async(std::launch::async, [&] { return server.stop(grace); });
   const timespec tick{.tv_sec = 0, .tv_nsec = 20'000'000};
   while (draining.wait_for(std::chrono::seconds::zero()) != std::future_status::ready) {
     if (sigtimedwait(&signals, nullptr, &tick) > 0) server.stop(std::chrono::seconds::zero());
   }
-  return draining.get();
+  draining.get();
 }
 
 }  // namespace
@@ -52,10 +51,6 @@ int main(int argc, char** argv) {
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("signal {}: stopping within {} s", signal, config.grace.count());
-  if (!stop(*server.value(), config.grace, signals)) {
-    spdlog::warn("left HTTP clients that never finished asking");
-    spdlog::shutdown();
-    std::_Exit(0);  // every accepted request is answered; destructors would wait for those clients
-  }
+  stop(*server.value(), config.grace, signals);
   return 0;
 }

@@ -1,5 +1,7 @@
 #include "server/server.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <condition_variable>
 #include <filesystem>
@@ -20,6 +22,8 @@ namespace {
 /// because there nobody can tell them from a request that never comes whole.
 constexpr std::chrono::milliseconds kLastAnswers{30'000}, kLeastPatience{2000};
 constexpr std::chrono::seconds kHealthTick{1};
+constexpr int kTrims =
+    10;  // ticks after the last job in which memory goes back: answers are still being sent
 
 /// Whoever waits for the file must never read half of it.
 Result<> write_ports_file(const std::string& path, const Address& grpc, const Address& http) {
@@ -67,7 +71,7 @@ Result<> Server::open(const Config& config) {
 
   lifecycle_.move_to(LifecycleState::Serving);
   tell_health();
-  health_ = std::jthread([this](const std::stop_token& stop) { watch_health(stop); });
+  health_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
   spdlog::info("serving gRPC on {} and HTTP on {}", grpc_address().text(), http_address().text());
   if (config.ports_file.empty()) return {};
   return write_ports_file(config.ports_file, grpc_address(), http_address());
@@ -82,16 +86,28 @@ void Server::tell_health() {
   grpc_->set_serving(serves);
 }
 
-void Server::watch_health(const std::stop_token& stop) {
+void Server::watch(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
-  while (!stopped.wait_for(lock, stop, kHealthTick, [&stop] { return stop.stop_requested(); })) tell_health();
+  std::uint64_t ended = 0;
+  int trims = 0;
+  while (!stopped.wait_for(lock, stop, kHealthTick, [&stop] { return stop.stop_requested(); })) {
+    tell_health();
+    if (const auto now = runner_.ended(); now != ended) {
+      ended = now;
+      trims = 0;
+    }
+    if (trims < kTrims && runner_.queued() + runner_.running() == 0) {
+      ++trims;
+      ::malloc_trim(0);  // glibc keeps what jobs freed: hundreds of megabytes after a large mesh
+    }
+  }
 }
 
 Server::~Server() { stop(std::chrono::milliseconds::zero()); }
 
-bool Server::stop(std::chrono::milliseconds grace) {
+void Server::stop(std::chrono::milliseconds grace) {
   const bool served = lifecycle_.serving();
   if (lifecycle_.move_to(LifecycleState::Draining) && served) {
     spdlog::info("draining: {} jobs run, {} wait", runner_.running(), runner_.queued());
@@ -104,7 +120,6 @@ bool Server::stop(std::chrono::milliseconds grace) {
   if (http_) http_->stop(std::clamp(grace, kLeastPatience, kLastAnswers));
   if (grpc_) grpc_->stop(kLastAnswers);
   if (lifecycle_.move_to(LifecycleState::Stopped) && served) spdlog::info("stopped");
-  return true;
 }
 
 }  // namespace burnish

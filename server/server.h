@@ -31,15 +31,14 @@ class Server {
 
   /// Reports not-serving, refuses new jobs, lets accepted ones finish for up to `grace`, stops the rest,
   /// sends every answer, closes the ports. Safe to repeat; a second call while the first waits shortens its
-  /// grace. False when HTTP clients are left that draw out the head of their request: nothing was accepted
-  /// from them, but the destructor would wait for them.
-  bool stop(std::chrono::milliseconds grace);
+  /// grace.
+  void stop(std::chrono::milliseconds grace);
 
  private:
   Server(const Config& config, SmoothFunction smooth);
   Result<> open(const Config& config);
   void tell_health();
-  void watch_health(const std::stop_token& stop);
+  void watch(const std::stop_token& stop);
 
   Lifecycle lifecycle_;
   Metrics metrics_;

@@ -5,6 +5,8 @@
 #include <draco/compression/attributes/sequential_quantization_attribute_decoder.h>
 #include <draco/compression/mesh/mesh_decoder.h>
 
+#include <bit>
+
 #include "core/io/draco_header.h"
 
 namespace burnish {
@@ -68,12 +70,20 @@ class GuardedPrediction final : public Prediction {
   std::uint32_t corners_;
 };
 
+/// The library casts whatever the file says to its enum, and takes what it does not know for a difference. A
+/// reference, because even copying such a value is undefined.
+draco::PredictionSchemeMethod known(const draco::PredictionSchemeMethod& method) {
+  const int number = std::bit_cast<int>(method);
+  const bool in_range = number >= draco::PREDICTION_NONE && number < draco::NUM_PREDICTION_SCHEMES;
+  return in_range ? method : draco::PREDICTION_DIFFERENCE;
+}
+
 template <class Base>
 class GuardedAttribute final : public Base {
  protected:
   std::unique_ptr<Prediction> CreateIntPredictionScheme(
       draco::PredictionSchemeMethod method, draco::PredictionSchemeTransformType transform) override {
-    auto prediction = Base::CreateIntPredictionScheme(method, transform);
+    auto prediction = Base::CreateIntPredictionScheme(known(method), transform);
     if (!prediction) return prediction;
     const auto* decoder = static_cast<const draco::MeshDecoder*>(this->decoder());
     return std::make_unique<GuardedPrediction>(std::move(prediction), 3 * decoder->mesh()->num_faces());

@@ -1,5 +1,6 @@
 #include "server/http/strict_json.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 

@@ -177,6 +177,11 @@ std::uint64_t JobRunner::reserved_bytes() const {
   return reserved_;
 }
 
+std::uint64_t JobRunner::ended() const {
+  const std::lock_guard lock(mutex_);
+  return ended_;
+}
+
 bool JobRunner::healthy() const {
   const Clock::time_point last_tick{Clock::duration(last_tick_.load())};
   return stuck_workers_ < options_.workers && Clock::now() - last_tick < kMissedTicks;
@@ -222,6 +227,7 @@ void JobRunner::run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job) {
 void JobRunner::release(const JobPtr& job) {
   reserved_ -= job->cost.bytes;
   --pending_;
+  ++ended_;
   job_ended_.notify_all();
 }
 

@@ -84,6 +84,7 @@ class JobRunner {
   std::size_t queued() const;
   std::size_t running() const;
   std::size_t workers() const { return options_.workers; }
+  std::uint64_t ended() const;           ///< accepted jobs that are over
   std::uint64_t reserved_bytes() const;  ///< sum of JobCost::bytes of accepted jobs
 
   /// Whether its own threads still turn: false when every worker is held by a job that does not end although
@@ -115,6 +116,7 @@ class JobRunner {
   std::vector<JobPtr> running_;
   std::uint64_t reserved_ = 0;
   Pace pace_;
+  std::uint64_t ended_ = 0;
   std::size_t pending_ = 0;                       ///< accepted jobs whose callback has not returned yet
   std::optional<Clock::time_point> drain_until_;  ///< set: no new jobs
   bool stopping_ = false;                         ///< threads leave

@@ -186,6 +186,21 @@ TEST(DracoHostile, NoCountKeepsTheDecoderBusy) {
   }
 }
 
+// Found by the fuzzer: a method of prediction that does not exist went through our hands as an enum.
+TEST(DracoHostile, AnUnknownPredictionIsADifference) {
+  std::string bytes = write_with_library(*tetrahedron(), {.position_bits = 8});
+  const auto is = decoded(bytes);
+  ASSERT_NE(is, nullptr);
+  constexpr std::size_t kMethod =
+      kFirstIndex + 4 * 3 + 8;  // after the indices and one attribute's description
+  ASSERT_EQ(bytes[kMethod], draco::PREDICTION_DIFFERENCE);
+  ASSERT_EQ(bytes[kMethod + 1], draco::PREDICTION_TRANSFORM_WRAP);
+  bytes[kMethod] = -64;
+  const auto same = decoded(bytes);
+  ASSERT_NE(same, nullptr);
+  EXPECT_TRUE(std::ranges::equal(same->positions(), is->positions()));
+}
+
 // Found by the fuzzer: the library's conversion loads such bytes as bool, and 48 is neither true nor false.
 TEST(DracoHostile, BytesThatPoseAsBoolAreNotConverted) {
   const auto mesh = tetrahedron();

@@ -179,7 +179,7 @@ TEST(Http, AnswersUnknownPathsVerbsAndNoise) {
   expect_http(server.http("GET", "/nowhere"), Cause::NotFound, "path: ");
   expect_http(server.http("POST", "/nowhere", "body"), Cause::NotFound, "path with body: ");
   expect_http(server.http("GET", "/v1/smooth"), Cause::MethodNotAllowed, "verb: ");
-  EXPECT_EQ(server.http("PUT", "/v1/smooth", "body").headers.at("Allow"), "POST");
+  EXPECT_EQ(server.http("PUT", "/v1/smooth", "body").headers.at("Allow"), "POST, OPTIONS");
   EXPECT_EQ(server.http("GET", "/livez", "a body that nobody asked for").status, 200);
   RawHttp connection(server->http_address().port);
   connection.send("this is not HTTP\r\n\r\n");
@@ -222,7 +222,7 @@ TEST(Http, AnswersATooLargeBodyThatIsSentAnyway) {
   RunningServer server(config);
   const HttpResponse response = server.http("POST", "/v1/smooth", std::string(8'000'000, ' '));
   expect_http(response, Cause::TooLarge, "with a length: ");
-  EXPECT_NE(response.body.find("1000 bytes"), std::string::npos);
+  EXPECT_NE(response.body.find("1000 (max-bytes)"), std::string::npos) << response.body;
 }
 
 TEST(Http, AsksForTheBodyOrRefusesItBeforeItIsSent) {
