@@ -1,4 +1,6 @@
 // burnishd: flags, signals, wiring.
+#include <sys/resource.h>
+
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -24,6 +26,15 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
+/// Connections and spool files are open files; the usual soft limit of 1024 is for programs that use
+/// select().
+void allow_many_files() {
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+}
+
 /// Drains; one more signal cuts the grace period short.
 void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
   auto draining = std::async(std::launch::async, [&] { return server.stop(grace); });
@@ -42,6 +53,7 @@ int main(int argc, char** argv) {
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
   const auto& config = std::get<burnish::Config>(parsed);
   burnish::set_up_log(config.log_level);
+  allow_many_files();
 
   const auto server = burnish::Server::start(config);
   if (!server) {

@@ -33,13 +33,7 @@ HttpRequest to_request(const httplib::Request& from) {
   return request;
 }
 
-std::string why(int status) {
-  if (status == httplib::StatusCode::UriTooLong_414) {
-    return "the target of the request has more than " + std::to_string(CPPHTTPLIB_REQUEST_URI_MAX_LENGTH) +
-           " bytes";
-  }
-  return "the server cannot understand this HTTP request";
-}
+constexpr const char* kNotUnderstood = "the server cannot understand this HTTP request";
 
 /// One request and its answer.
 struct Exchange {
@@ -121,8 +115,7 @@ void Conversation::set_up() {
                                std::exception_ptr thrown) { respond(answer_exception(thrown), response); });
   set_error_handler([this](const httplib::Request&, httplib::Response& response) {
     if (!exchange_.answered) {
-      respond(context_.gateway.bad_request(response.status, {Cause::BadRequest, why(response.status)}),
-              response);
+      respond(context_.gateway.bad_request(response.status, {Cause::BadRequest, kNotUnderstood}), response);
     }
     return HandlerResponse::Handled;
   });
@@ -143,6 +136,9 @@ void Conversation::answer_next() {
     case Head::TooLarge:
       return reject(431, {Cause::BadRequest, "the head of the request has more than " +
                                                  std::to_string(RequestReader::kMaxHeadBytes) + " bytes"});
+    case Head::LongLine:
+      return reject(414, {Cause::BadRequest, "the first line of the request has more than " +
+                                                 std::to_string(RequestReader::kMaxLineBytes) + " bytes"});
     case Head::Whole:
     case Head::Cut:
       break;
@@ -261,7 +257,7 @@ void Conversation::settle(const httplib::Request& request, httplib::Response& re
 
 void Conversation::deliver() {
   const std::string head = stream_.take_written();
-  if (head.empty()) return reject(400, {Cause::BadRequest, why(400)});  // a line too long for the library
+  if (head.empty()) return reject(400, {Cause::BadRequest, kNotUnderstood});
   if (exchange_.abandoned || !connection_.send(head, exchange_.answer)) {
     closing_ = true;
     return;

@@ -52,10 +52,7 @@ RequestReader::Head RequestReader::read_head(bool first) {
       blank_line_allowed = false;
     }
     const std::size_t end = buffered().find(kHeadEnd, searched);
-    if (end < kMaxHeadBytes) {
-      take_head(end + kHeadEnd.size());
-      return Head::Whole;
-    }
+    if (end < kMaxHeadBytes) return take_head(end + kHeadEnd.size(), Head::Whole);
     const std::size_t size = buffered().size();
     if (size >= kMaxHeadBytes) return Head::TooLarge;
     searched = size - std::min(size, kHeadEnd.size() - 1);
@@ -68,14 +65,16 @@ RequestReader::Head RequestReader::read_head(bool first) {
     if (buffered().empty()) return Head::None;
     if (event == Event::TimedOut) return Head::TooSlow;
     if (event == Event::Stopping) return Head::Stopping;
-    take_head(buffered().size());
-    return Head::Cut;
+    return take_head(buffered().size(), Head::Cut);
   }
 }
 
-void RequestReader::take_head(std::size_t size) {
-  head_ = without_range(buffered().substr(0, size));
+RequestReader::Head RequestReader::take_head(std::size_t size, Head as) {
+  const std::string_view head = buffered().substr(0, size);
   begin_ += size;
+  if (std::min(head.find(kLineEnd), head.size()) > kMaxLineBytes) return Head::LongLine;
+  head_ = without_range(head);
+  return as;
 }
 
 Event RequestReader::fill(Clock::time_point until) {

@@ -18,10 +18,12 @@ class RequestReader {
     Cut,       ///< the client stopped in the middle; what came can be read
     None,      ///< no further request
     TooLarge,  ///< more than kMaxHeadBytes
+    LongLine,  ///< the first one has more than kMaxLineBytes
     TooSlow,
     Stopping,  ///< the server ends while it comes
   };
   static constexpr std::size_t kMaxHeadBytes = 64 << 10;
+  static constexpr std::size_t kMaxLineBytes = 8 << 10;  ///< the library's time grows with its square
 
   RequestReader(Connection& connection, const HttpPatience& patience);
 
@@ -43,7 +45,7 @@ class RequestReader {
  private:
   Connection::Event fill(Clock::time_point until);
   std::string_view buffered() const { return {buffer_.data() + begin_, end_ - begin_}; }
-  void take_head(std::size_t size);
+  Head take_head(std::size_t size, Head as);
   ssize_t read_body(char* into, std::size_t size);
 
   Connection& connection_;

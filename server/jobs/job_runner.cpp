@@ -21,6 +21,7 @@ constexpr std::chrono::seconds kMissedTicks{10};  // after which it counts as st
 /// A deadline is out of reach when so much of the expected time alone passes it: the estimate may be wrong,
 /// and a refusal must not be.
 constexpr double kSurely = 0.5;
+constexpr std::chrono::minutes kFarthestTurn{1};
 
 JobRunnerOptions with_workers(JobRunnerOptions options) {
   if (options.workers == 0) options.workers = std::max(1u, std::thread::hardware_concurrency());
@@ -83,57 +84,65 @@ Result<JobHandle> JobRunner::submit(JobWork work, const JobCost& cost,
   return JobHandle(std::move(job), this);
 }
 
-Result<> JobRunner::would_take(const JobCost& cost, std::optional<Clock::time_point> deadline) const {
+Result<> JobRunner::would_take(const JobCost& cost, std::optional<Clock::time_point> deadline) {
   const std::lock_guard lock(mutex_);
   return admit(cost, deadline);
 }
 
-Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> deadline) const {
+Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> deadline) {
   if (drain_until_) return Error{Cause::ShuttingDown, "the server is shutting down"};
   if (cost.bytes > options_.max_memory) {
-    return Error{Cause::TooLarge, "the request is expected to need " + std::to_string(cost.bytes) +
-                                      " bytes of memory; the limit is " +
-                                      std::to_string(options_.max_memory) + " (max-memory)"};
-  }
-  const auto wait = expected_wait();
-  if (queue_.size() >= options_.queue + options_.workers - running_.size()) {
     return Error{
-        Cause::QueueFull,
-        "every worker is busy and " + std::to_string(queue_.size()) + " jobs wait (queue); try again later",
-        "", wait};
+        Cause::TooLarge,
+        fmt::format("the request is expected to need {} bytes of memory; the limit is {} (max-memory)",
+                    cost.bytes, options_.max_memory)};
+  }
+  if (queue_.size() >= options_.queue + options_.workers - running_.size()) {
+    return Error{Cause::QueueFull,
+                 fmt::format("every worker is busy and {} jobs wait (queue); try again later", queue_.size()),
+                 "", next_turn()};
   }
   if (reserved_ > options_.max_memory - cost.bytes) {
-    return Error{Cause::MemoryFull,
-                 "the jobs at hand need " + std::to_string(reserved_) + " of " +
-                     std::to_string(options_.max_memory) + " bytes (max-memory) and this one " +
-                     std::to_string(cost.bytes) + "; try again later",
-                 "", wait};
+    return Error{
+        Cause::MemoryFull,
+        fmt::format("the jobs at hand need {} of {} bytes (max-memory) and this one {}; try again later",
+                    reserved_, options_.max_memory, cost.bytes),
+        "", next_turn()};
   }
   const auto own = pace_.expect(cost.work);
+  const Seconds needed = expected_wait() + own.value_or(Seconds::zero());
   if (deadline && own &&
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(kSurely * (wait + *own)) > *deadline) {
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(kSurely * needed) > *deadline) {
     return Error{Cause::DeadlineExceeded,
-                 "the jobs at hand and this one are expected to take " +
-                     std::to_string((wait + std::chrono::duration_cast<milliseconds>(*own)).count()) +
-                     " ms, longer than the deadline allows"};
+                 fmt::format("the jobs at hand and this one are expected to take {:.1f} s, longer than the "
+                             "deadline allows",
+                             needed.count())};
   }
   return {};
 }
 
 /// Until a worker is free for one more job.
-milliseconds JobRunner::expected_wait() const {
-  const auto expected = [this](const JobPtr& job) {
-    return pace_.expect(job->cost.work).value_or(1s).count();
-  };
+JobRunner::Seconds JobRunner::expected_wait() const {
+  if (running_.size() + queue_.size() < options_.workers) return Seconds::zero();
+  const auto expected = [this](const JobPtr& job) { return pace_.expect(job->cost.work).value_or(1s); };
   const auto now = Clock::now();
-  double seconds = 0;
-  for (const JobPtr& job : queue_) seconds += expected(job);
-  for (const JobPtr& job : running_) {
-    const std::chrono::duration<double> ran = now - job->started_at;
-    seconds += std::max(0.0, expected(job) - ran.count());
-  }
-  if (running_.size() + queue_.size() < options_.workers) return milliseconds::zero();
-  return milliseconds(static_cast<std::int64_t>(std::min(1000 * seconds / options_.workers, 3.6e6)));
+  Seconds sum{};
+  for (const JobPtr& job : queue_) sum += expected(job);
+  for (const JobPtr& job : running_)
+    sum += std::max(Seconds::zero(), expected(job) - Seconds(now - job->started_at));
+  return sum / options_.workers;
+}
+
+/// When a caller that is refused now may come back. Each is given a turn of its own, behind those refused
+/// before: all at once they would be refused again.
+milliseconds JobRunner::next_turn() {
+  const auto now = Clock::now();
+  const Seconds wait = expected_wait();
+  const Seconds each = wait / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
+  next_turn_ = std::max(next_turn_, now + std::chrono::duration_cast<Clock::duration>(wait)) +
+               std::chrono::duration_cast<Clock::duration>(each);
+  next_turn_ = std::min(next_turn_, now + kFarthestTurn);
+  return std::chrono::ceil<milliseconds>(next_turn_ - now);
 }
 
 void JobRunner::drain(std::chrono::milliseconds grace) {

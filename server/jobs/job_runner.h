@@ -68,14 +68,14 @@ class JobRunner {
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
 
-  /// Queues a job. Errors: QueueFull and MemoryFull with the time after which a place is expected,
+  /// Queues a job. Errors: QueueFull and MemoryFull with the time after which the caller's turn is expected,
   /// ShuttingDown, TooLarge for a job that needs more than all memory, DeadlineExceeded when the jobs before
   /// it are expected to take too long; then neither function of `work` is called.
   Result<JobHandle> submit(JobWork work, const JobCost& cost,
                            std::optional<RunControl::Clock::time_point> deadline);
 
   /// What submit() would say now, for requests whose bytes are still to come.
-  Result<> would_take(const JobCost& cost, std::optional<RunControl::Clock::time_point> deadline) const;
+  Result<> would_take(const JobCost& cost, std::optional<RunControl::Clock::time_point> deadline);
 
   /// Refuses new jobs, lets accepted ones finish for up to `grace`, then refuses those that wait
   /// (ShuttingDown), trips the stop token of those that run, and joins the workers. Safe to repeat.
@@ -94,11 +94,13 @@ class JobRunner {
 
  private:
   using Clock = RunControl::Clock;
+  using Seconds = std::chrono::duration<double>;
   using JobPtr = std::shared_ptr<JobHandle::Job>;
   friend class JobHandle;
 
-  Result<> admit(const JobCost& cost, std::optional<Clock::time_point> deadline) const;
-  std::chrono::milliseconds expected_wait() const;
+  Result<> admit(const JobCost& cost, std::optional<Clock::time_point> deadline);
+  Seconds expected_wait() const;
+  std::chrono::milliseconds next_turn();
   void work();
   void run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job);
   void keep_house();
@@ -116,6 +118,7 @@ class JobRunner {
   std::vector<JobPtr> running_;
   std::uint64_t reserved_ = 0;
   Pace pace_;
+  Clock::time_point next_turn_ = {};  ///< of the last caller that was refused for want of a place
   std::uint64_t ended_ = 0;
   std::size_t pending_ = 0;                       ///< accepted jobs whose callback has not returned yet
   std::optional<Clock::time_point> drain_until_;  ///< set: no new jobs

@@ -54,9 +54,16 @@ double resident_megabytes(const std::string& pid) {
 
 Call over_http(int port, const std::string& mesh) {
   return [port, &mesh, connection = std::make_shared<std::unique_ptr<burnish::testing::RawHttp>>()] {
-    if (!*connection) *connection = std::make_unique<burnish::testing::RawHttp>(port);
-    (*connection)->send_request("POST", "/v1/smooth", mesh);
-    const auto response = (*connection)->read_response();
+    const auto ask = [&] {
+      if (!*connection) *connection = std::make_unique<burnish::testing::RawHttp>(port);
+      (*connection)->send_request("POST", "/v1/smooth", mesh);
+      return (*connection)->read_response();
+    };
+    auto response = ask();
+    if (response.status == 0) {  // the connection was idle for too long meanwhile
+      connection->reset();
+      response = ask();
+    }
     const auto field = [&response](const char* name) {
       const auto found = response.headers.find(name);
       return found == response.headers.end() ? std::string() : found->second;
@@ -122,7 +129,7 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
-  std::this_thread::sleep_for(std::chrono::seconds(3));
+  std::this_thread::sleep_for(std::chrono::seconds(12));  // idle threads end, freed memory goes back
   std::printf(
       "%-6s %4d callers: %6.1f answers/s, %zu refused (%zu without a retry time), %zu failed; answered in "
       "%.0f ms "

@@ -62,7 +62,7 @@ class Lifecycle(MeshTest):
                     pass
                 time.sleep(0.05)
             self.assertEqual(server.exit_code(), 0, server.log_text())
-            self.assertIn("left HTTP clients", server.log_text())
+            self.assertIn("stopped", server.log_text())
 
     def test_a_full_queue_refuses_at_once(self):
         with Server("--workers", 1, "--queue", 1, "--grace-seconds", 0) as server:

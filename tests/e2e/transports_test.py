@@ -16,7 +16,7 @@ REPORT_NAMES = {
                "smallestAngleDegreesBefore", "smallestAngleDegreesAfter"},
     "input": {"vertices", "triangles", "boundaryEdges", "components"},
     "output": {"vertices", "triangles", "boundaryEdges", "components"},
-    "encoding": {"format", "dracoMethod", "positionBits", "quantisationError"},
+    "encoding": {"format", "dracoMethod", "positionBits", "quantisationError", "bytes"},
     "timings": {"queueMs", "decodeMs", "prepareMs", "smoothMs", "measureMs", "encodeMs", "totalMs"},
 }
 

@@ -188,7 +188,8 @@ TEST(HttpAnswer, NamesWhatIsNoHttp) {
                       {"GET /livez HTTP/1.1\r\nno colon\r\n\r\n", 400},
                       {many_headers + "\r\n", 400},
                       {"GET /" + std::string(9000, 'a') + " HTTP/1.1\r\n\r\n", 414},
-                      {"GET /" + std::string(40'000, 'a') + " HTTP/1.1\r\n\r\n", 400},
+                      {"GET /" + std::string(40'000, 'a') + " HTTP/1.1\r\n\r\n", 414},
+                      {"GET " + std::string(40'000, ' ') + "/ HTTP/1.1\r\n\r\n", 414},
                       {"GET / HTTP/1.1\r\nx: " + std::string(9000, 'a') + "\r\n\r\n", 400},
                       {"GET / HTTP/1.1\r\nx: " + std::string(70'000, 'a') + "\r\n\r\n", 431}};
   for (const Row& row : rows) {

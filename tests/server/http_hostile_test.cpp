@@ -175,7 +175,9 @@ TEST(HttpHostile, LargeRefusedBodyDoesNotHideItsAnswer) {
     const auto response = client.read_response();
     EXPECT_NE(code_of(response), "") << headers;
     EXPECT_EQ(response.headers.at("Connection"), "close") << headers;
+    const auto answered = std::chrono::steady_clock::now();
     EXPECT_TRUE(client.at_end());
+    EXPECT_LT(std::chrono::steady_clock::now() - answered, seconds(1)) << "told at once, closed later";
   }
 }
 

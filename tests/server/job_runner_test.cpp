@@ -346,7 +346,18 @@ TEST(JobRunner, TellsWhenAPlaceIsExpectedByTheWorkOfTheJobsAtHand) {
   ASSERT_FALSE(full.ok());
   EXPECT_EQ(full.error().cause, Cause::QueueFull);
   EXPECT_GE(full.error().retry_after, 15s);
-  EXPECT_LE(full.error().retry_after, 1h);
+  EXPECT_LE(full.error().retry_after, 1min);
+}
+
+TEST(JobRunner, GivesEveryRefusedCallerATurnOfItsOwn) {
+  BusyRunner busy(1ms, 0);  // the job that runs is expected to take a second
+  const auto turn = [&] { return busy.runner.would_take({.work = 1}, {}).error().retry_after; };
+  const auto first = turn(), second = turn(), third = turn();
+  EXPECT_GE(second - first, 500ms);
+  EXPECT_GE(third - second, 500ms);
+  std::chrono::milliseconds last{};
+  for (int i = 0; i < 200; ++i) last = turn();
+  EXPECT_LE(last, 1min) << "not for ever: some never come back";
 }
 
 TEST(JobRunner, BoundsEveryRun) {
