@@ -180,9 +180,9 @@ void Jobs::finish(Call<Job, Answer>& call, Result<Answer> result) {
       "request id={}{} transport={} method={} bytes_in={} bytes_out={} vertices={} triangles={} outcome={} "
       "total_ms={:.1f} queue_ms={:.1f}{}{}",
       call.caller.request_id, trace_field(call.caller.trace_id), transport_name(transport),
-      printable(method_of(job, result ? &*result : nullptr), 40), in, out, input.vertices(), input.triangles(),
-      error ? cause_code(error->cause) : "ok", total.count(), job.queue_ms, error ? " detail=" : "",
-      error ? error->message : "");
+      printable(method_of(job, result ? &*result : nullptr), 40), in, out, input.vertices(),
+      input.triangles(), error ? cause_code(error->cause) : "ok", total.count(), job.queue_ms,
+      error ? " detail=" : "", error ? error->message : "");
   if (result) metrics_.observe(kind, timings_of(*result));
   metrics_.count_bytes(transport, kind, in, out);
   metrics_.count_outcome(transport, kind, error);

@@ -96,7 +96,7 @@ TEST(ConfigFile, MustBeReadable) {
 
 TEST(ConfigFile, TakesEverySettingBackAsItWasPrinted) {
   Config config;
-  config.grpc_listen = {.host = {}, .port = 0, .path = "/tmp/s"};
+  config.grpc_listen = {.host = {}, .port = 0, .path = "run/burnish.sock"};
   config.workers = 3;
   config.max_memory = 1 << 30;
   config.grpc_compression = true;
