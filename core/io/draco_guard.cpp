@@ -5,7 +5,7 @@
 #include <draco/compression/attributes/sequential_quantization_attribute_decoder.h>
 #include <draco/compression/mesh/mesh_decoder.h>
 
-#include <bit>
+#include <cstring>
 
 #include "core/io/draco_header.h"
 
@@ -71,9 +71,11 @@ class GuardedPrediction final : public Prediction {
 };
 
 /// The library casts whatever the file says to its enum, and takes what it does not know for a difference. A
-/// reference, because even copying such a value is undefined.
+/// reference and its bytes, because even copying such a value is undefined.
 draco::PredictionSchemeMethod known(const draco::PredictionSchemeMethod& method) {
-  const int number = std::bit_cast<int>(method);
+  int number = 0;
+  static_assert(sizeof(number) == sizeof(method));
+  std::memcpy(&number, &method, sizeof(number));
   const bool in_range = number >= draco::PREDICTION_NONE && number < draco::NUM_PREDICTION_SCHEMES;
   return in_range ? method : draco::PREDICTION_DIFFERENCE;
 }

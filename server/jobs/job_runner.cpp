@@ -139,8 +139,8 @@ milliseconds JobRunner::next_turn() {
   const auto now = Clock::now();
   const Seconds wait = expected_wait();
   const Seconds each = wait / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
-  next_turn_ = std::max(next_turn_, now + std::chrono::duration_cast<Clock::duration>(wait)) +
-               std::chrono::duration_cast<Clock::duration>(each);
+  const auto steps = [](Seconds seconds) { return std::chrono::duration_cast<Clock::duration>(seconds); };
+  next_turn_ = std::max(next_turn_ + steps(each), now + steps(wait));
   next_turn_ = std::min(next_turn_, now + kFarthestTurn);
   return std::chrono::ceil<milliseconds>(next_turn_ - now);
 }

@@ -2,7 +2,6 @@
 
 import base64
 import json
-import os
 import pathlib
 import subprocess
 import unittest
@@ -12,9 +11,8 @@ from google.protobuf import json_format
 from google.rpc import error_details_pb2
 
 from burnish.v1 import smoothing_pb2
-from programs import ENVIRONMENT, PATIENCE_SECONDS, MeshTest, Server, error_info, smooth_request
+from programs import ENVIRONMENT, NODE_MODULES, PATIENCE_SECONDS, MeshTest, Server, error_info, needs_npm, smooth_request
 
-NODE_MODULES = os.environ["NODE_MODULES"]  # scripts/setup installs it
 BUF = pathlib.Path(NODE_MODULES, ".bin", "buf")
 GRPC_JS = pathlib.Path(__file__).parents[1] / "npm" / "smooth_grpc_js.cjs"
 CHUNK_BYTES = 256 * 1024
@@ -101,6 +99,7 @@ CLIENTS = {"curl": curl, "grpcio unary": grpcio_unary, "grpcio stream": grpcio_s
            "grpc-js unary": grpc_js("unary"), "grpc-js stream": grpc_js("stream"), "buf curl": buf_curl}
 
 
+@needs_npm
 class Clients(MeshTest):
     RESOLUTION = 44  # more than one chunk
 

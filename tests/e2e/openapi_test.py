@@ -3,17 +3,15 @@
 import base64
 import copy
 import json
-import os
 import pathlib
 import subprocess
 import unittest
 
 from jsonschema import Draft202012Validator, RefResolver
 
-from programs import ENVIRONMENT, PATIENCE_SECONDS, MeshTest, Server
+from programs import ENVIRONMENT, NODE_MODULES, PATIENCE_SECONDS, MeshTest, Server, needs_npm
 
 LINT = pathlib.Path(__file__).parents[1] / "npm" / "lint_openapi.cjs"
-NODE_MODULES = os.environ["NODE_MODULES"]  # scripts/setup installs it
 VERBS = ("get", "head", "post", "options")
 
 
@@ -111,11 +109,13 @@ class OpenApi(MeshTest):
     def form(self, **files):
         return [flag for name, path in files.items() for flag in ("-F", f"{name}=@{path}")]
 
+    @needs_npm
     def test_the_linter_finds_nothing(self):
         done = subprocess.run(["node", LINT], input=self.document.text, capture_output=True, text=True,
                               env={**ENVIRONMENT, "NODE_PATH": NODE_MODULES}, timeout=PATIENCE_SECONDS)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
 
+    @needs_npm
     def test_the_linter_finds_mistakes(self):
         broken = copy.deepcopy(self.document.json)
         broken["paths"]["/v1/smooth"]["post"]["operationId"] = "compare"  # as another is called

@@ -20,6 +20,9 @@ CURL = os.environ["CURL"]
 # A proxy of the environment must not stand between programs of one machine.
 ENVIRONMENT = {**os.environ, "no_proxy": "*", "NO_PROXY": "*", "no_grpc_proxy": "127.0.0.1"}
 PATIENCE_SECONDS = 60
+# scripts/setup installs it where there is an npm registry.
+NODE_MODULES = os.environ.get("NODE_MODULES", "")
+needs_npm = unittest.skipUnless(pathlib.Path(NODE_MODULES, "installed.json").exists(), "scripts/setup found no npm registry")
 
 
 def eventually(condition, what, seconds=PATIENCE_SECONDS):
