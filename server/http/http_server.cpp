@@ -1,5 +1,6 @@
 #include "server/http/http_server.h"
 
+#include <locale>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -17,6 +18,18 @@ HttpServerOptions http_options(const Config& config) {
           .patience = {.head = config.head_timeout, .min_body_rate = config.min_body_rate}};
 }
 
+namespace {
+
+/// libstdc++ fills this cache on first use, without a lock, and std::regex, which the HTTP library makes for
+/// every connection, reads it: two connections would race.
+bool fill_character_cache() {
+  const auto& characters = std::use_facet<std::ctype<char>>(std::locale::classic());
+  for (int c = 1; c < 256; ++c) characters.narrow(static_cast<char>(c), '\0');
+  return true;
+}
+
+}  // namespace
+
 struct HttpServer::Impl {
   Impl(const HttpServerOptions& options, Gateway& gateway, Jobs& jobs)
       : context{.gateway = gateway,
@@ -24,7 +37,9 @@ struct HttpServer::Impl {
                 .limits = jobs.limits(),
                 .patience = options.patience},
         max_connections(options.max_connections),
-        threads(options.max_connections) {}
+        threads(options.max_connections) {
+    [[maybe_unused]] static const bool filled = fill_character_cache();
+  }
 
   void accept();
   void serve(int socket);

@@ -141,23 +141,24 @@ TEST(SmoothingClient, KeepsItsDeadline) {
 }
 
 TEST(SmoothingClient, StopsFromAnotherThread) {
-  std::promise<void> arrived;
-  const auto arrive_and_wait = [&arrived](grpc::ServerContext& context) {
+  std::promise<void> arrived_in_one, arrived_by_stream;
+  const auto arrive_and_wait = [](std::promise<void>& arrived, grpc::ServerContext& context) {
     arrived.set_value();
     return until_cancelled(context);
   };
-  const FakeServer server({.smooth = [&](auto& context, auto&, auto&) { return arrive_and_wait(context); },
-                           // Reads nothing: the upload stands still when the stop comes.
-                           .smooth_stream = [&](auto& context, auto&) { return arrive_and_wait(context); }});
+  const FakeServer server(
+      {.smooth = [&](auto& context, auto&, auto&) { return arrive_and_wait(arrived_in_one, context); },
+       // Reads nothing: the upload stands still when the stop comes.
+       .smooth_stream = [&](auto& context, auto&) { return arrive_and_wait(arrived_by_stream, context); }});
   const SmoothingClient client(server.address());
   const v1::SmoothRequest request = request_with(std::string(16 << 20, 'x'));
-  for (const std::size_t unary_bytes : {std::size_t{0}, std::size_t{32} << 20}) {
-    arrived = {};
+  for (const bool by_stream : {true, false}) {
+    const std::size_t unary_bytes = by_stream ? 0 : 32 << 20;
     std::stop_source stop;
     auto reply = std::async(std::launch::async, [&] {
       return client.smooth(request, {.stop = stop.get_token(), .unary_bytes = unary_bytes});
     });
-    arrived.get_future().wait();
+    (by_stream ? arrived_by_stream : arrived_in_one).get_future().wait();
     stop.request_stop();
     const auto result = reply.get();
     ASSERT_FALSE(result.ok());

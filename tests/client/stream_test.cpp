@@ -73,9 +73,9 @@ TEST(Stream, IsTakenBySizeOrForProgress) {
 }
 
 TEST(Stream, CarriesTheRequestInChunksOfItsDeclaredSizes) {
-  Upload<v1::SmoothStart> upload;
+  std::promise<Upload<v1::SmoothStart>> received;
   const FakeServer server({.smooth_stream = [&](auto&, SmoothStream& stream) {
-    upload = receive(stream);
+    received.set_value(receive(stream));
     send_report(stream);
     return grpc::Status::OK;
   }});
@@ -84,6 +84,7 @@ TEST(Stream, CarriesTheRequestInChunksOfItsDeclaredSizes) {
   request.set_reference_format(v1::MESH_FORMAT_OBJ);
   request.mutable_options()->set_method("taubin");
   ASSERT_TRUE(SmoothingClient(server.address()).smooth(request).ok());
+  const auto upload = received.get_future().get();
   EXPECT_TRUE(upload.mesh == request.mesh());
   EXPECT_TRUE(upload.reference == request.reference());
   EXPECT_EQ(upload.largest_chunk, 512u << 10);
@@ -104,9 +105,9 @@ TEST(Stream, PutsTheAnswerTogether) {
 }
 
 TEST(Stream, CarriesAComparison) {
-  Upload<v1::CompareStart> upload;
+  std::promise<Upload<v1::CompareStart>> received;
   const FakeServer server({.compare_stream = [&](CompareStream& stream, v1::CompareResponse& response) {
-    upload = receive(stream);
+    received.set_value(receive(stream));
     response.set_request_id("by stream");
     return grpc::Status::OK;
   }});
@@ -116,6 +117,7 @@ TEST(Stream, CarriesAComparison) {
   const auto reply = SmoothingClient(server.address()).compare(request);
   ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(reply->request_id(), "by stream");
+  const auto upload = received.get_future().get();
   EXPECT_TRUE(upload.mesh == request.mesh());
   EXPECT_TRUE(upload.reference == request.reference());
   EXPECT_EQ(upload.start.mesh_bytes(), request.mesh().size());
