@@ -51,7 +51,7 @@ Error not_a(std::string_view value, const std::string& wanted) {
 
 /// A number or a size within bounds.
 Setting bounded(std::string name, SettingShape shape, std::uint64_t least, std::uint64_t most,
-                std::string meaning, std::function<void(std::uint64_t)> store,
+                std::string meaning, const std::function<void(std::uint64_t)>& store,
                 std::function<std::uint64_t()> load) {
   const bool size = shape == SettingShape::Size;
   const auto text = [size](std::uint64_t n) { return size ? size_text(n) : std::to_string(n); };

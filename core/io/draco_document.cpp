@@ -224,13 +224,12 @@ Result<SharedAttributes> DracoDocument::shared_attributes(const MovedPositions& 
   SharedAttributes shared;
   for (int id = 0; id < mesh_->num_attributes(); ++id) {
     const draco::PointAttribute& attribute = *mesh_->attribute(id);
-    const Attribute::Type type = attribute.attribute_type();
+    // The library reads bytes of this kind as bool, which only 0 and 1 may be.
+    const bool readable = attribute.data_type() != draco::DT_BOOL;
+    const Attribute::Type type = readable ? attribute.attribute_type() : Attribute::GENERIC;
     const int components = attribute.num_components();
     if (type == Attribute::POSITION) continue;
-    if (attribute.data_type() == draco::DT_BOOL) {
-      // The library reads these bytes as bool, which only 0 and 1 may be.
-      shared.dropped.push_back(describe(attribute));
-    } else if (type == Attribute::NORMAL && components == 3 && !shared.normals) {
+    if (type == Attribute::NORMAL && components == 3 && !shared.normals) {
       auto normals = read_normals(attribute, moved, triangles_, run);
       if (!normals) return normals.error();
       shared.normals = *std::move(normals);

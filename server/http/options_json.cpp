@@ -84,11 +84,14 @@ Result<> read_enum(const Json& from, Message& into, const FieldDescriptor& field
   return {};
 }
 
+std::string member_of(const std::string& place, const std::string& name) { return place + '.' + name; }
+
 /// The only map of the options holds parameters.
 Result<> read_map(const Json& from, Message& into, const FieldDescriptor& field, const std::string& place) {
   if (!from.is_object()) return expected(place, "an object");
   for (const auto& [name, value] : from.items()) {
-    if (!value.is_number() && !value.is_string()) return expected(place + '.' + name, "a number or a string");
+    if (!value.is_number() && !value.is_string())
+      return expected(member_of(place, name), "a number or a string");
     Message& entry = *into.GetReflection()->AddMessage(&into, &field);
     const auto& members = *field.message_type();
     entry.GetReflection()->SetString(&entry, members.map_key(), name);
@@ -134,7 +137,7 @@ Result<> read_message(const Json& from, Message& into, const std::string& place)
   if (!from.is_object()) return expected(place, "an object");
   std::set<const FieldDescriptor*> seen;
   for (const auto& [name, value] : from.items()) {
-    const std::string member = place + '.' + name;
+    const std::string member = member_of(place, name);
     const FieldDescriptor* const field = find_field(into, name);
     if (!field) return Error{Cause::UnknownOption, "there is no option " + member, member};
     if (!seen.insert(field).second) {

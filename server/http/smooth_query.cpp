@@ -69,10 +69,9 @@ Result<Timeout> parse_timeout(const Query& query) {
 }
 
 Result<> check_only_timeout(const Query& query, Cause cause, const std::string& why) {
-  for (const auto& [name, text] : query) {
-    if (name != kTimeoutName) return Error{cause, "query parameter '" + name + "' " + why, name};
-  }
-  return {};
+  const auto other = std::ranges::find_if(query, [](const auto& each) { return each.first != kTimeoutName; });
+  if (other == query.end()) return {};
+  return Error{cause, "query parameter '" + other->first + "' " + why, other->first};
 }
 
 Result<v1::SmoothOptions> parse_query_options(const Query& query) {

@@ -8,14 +8,10 @@
 namespace burnish::fuzz {
 
 House::House()
-    : runner_({.workers = 1, .queue = 1, .threads = 1}),
-      jobs_(service, runner_, spool_, lifecycle_, metrics_),
-      gateway_(jobs_, {.cors_origins = {"http://localhost:3000"}}),
-      server_(HttpServer::without_port({}, gateway_, jobs_)) {
-  lifecycle_.move_to(LifecycleState::Serving);
-}
-
-House::~House() { runner_.drain(std::chrono::milliseconds::zero()); }
+    : house_({.limits = {.mesh = kLimits, .max_iterations = 20, .max_option_bytes = 4 << 10},
+              .runner = {.workers = 1, .queue = 1, .threads = 1}}),
+      gateway_(house_.jobs, {.cors_origins = {"http://localhost:3000"}}),
+      server_(HttpServer::without_port({}, gateway_, house_.jobs)) {}
 
 std::string House::answer(std::string_view bytes) {
   std::string answer = server_->answer(bytes);

@@ -9,6 +9,7 @@
 
 #include "server/http/gateway.h"
 #include "server/status_map.h"
+#include "tests/server/jobs_house.h"
 
 namespace burnish::testing {
 
@@ -18,29 +19,18 @@ struct GatewaySetting {
   std::chrono::milliseconds longest_run = std::chrono::seconds(60);
 };
 
-struct GatewayHouse {
+struct GatewayHouse : JobsHouse {
   explicit GatewayHouse(GatewaySetting setting = {})
-      : service({.mesh = {.max_bytes = 100'000}}),
-        runner({.workers = 1, .queue = 1, .longest_run = setting.longest_run}),
-        jobs(service, runner, spool, lifecycle, metrics, std::move(setting.smooth)),
-        gateway(jobs, std::move(setting.gateway)) {
-    lifecycle.move_to(LifecycleState::Serving);
-  }
-  ~GatewayHouse() {
-    runner.drain(std::chrono::milliseconds::zero());
-  }  // workers use what goes before the runner
+      : JobsHouse({.limits = {.mesh = {.max_bytes = 100'000}},
+                   .runner = {.workers = 1, .queue = 1, .longest_run = setting.longest_run},
+                   .smooth = std::move(setting.smooth)}),
+        gateway(jobs, std::move(setting.gateway)) {}
 
   HttpResponse handle(const HttpRequest& request) {
     return gateway.handle(request, [] { return false; });
   }
   HttpResponse get(const std::string& path) { return handle({.method = "GET", .path = path}); }
 
-  SmoothService service;
-  Lifecycle lifecycle;
-  Metrics metrics;
-  Spool spool;
-  JobRunner runner;
-  Jobs jobs;
   Gateway gateway;
 };
 

@@ -228,6 +228,7 @@ TEST(GrpcCaller, IsAnsweredWhenManyCancelAtAnyMoment) {
       for (int i = 0; i < 25; ++i) {
         SmoothCall call(server);
         auto cancel = std::async(std::launch::async, [&] {
+          // Not to wait for anything: it spreads the cancels over the life of a call.
           std::this_thread::sleep_for(std::chrono::microseconds(150 * i * (thread + 1)));
           call.context.TryCancel();
         });

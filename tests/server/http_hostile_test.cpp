@@ -128,11 +128,7 @@ TEST(HttpHostile, SlowConnectionsDoNotSlowAnHonestOne) {
 
 TEST(HttpHostile, ReaderWhoStallsLosesItsConnection) {
   const std::string large(64 << 20, 'x');
-  HttpHouse house(with({.stall = milliseconds(100)}), [&](const SmoothJob&, const RunControl&) {
-    SmoothResult result;
-    result.mesh = large;
-    return Result<SmoothResult>(std::move(result));
-  });
+  HttpHouse house(with({.stall = milliseconds(100)}), answer_with(large));
   RawHttp client(house.port());
   client.send_request("POST", "/v1/smooth", "bytes");
   EXPECT_EQ(client.read_head().status, 200);

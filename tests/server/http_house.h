@@ -26,6 +26,15 @@ inline SmoothFunction echo(Format format = Format::Obj) {
   };
 }
 
+/// `mesh` must outlive the house.
+inline SmoothFunction answer_with(const std::string& mesh) {
+  return [&mesh](const SmoothJob&, const RunControl&) -> Result<SmoothResult> {
+    SmoothResult result;
+    result.mesh = mesh;
+    return result;
+  };
+}
+
 struct HttpHouse {
   explicit HttpHouse(HttpServerOptions options = {}, SmoothFunction smooth = echo())
       : house({.smooth = std::move(smooth)}) {

@@ -118,11 +118,7 @@ TEST(HttpStop, RefusesWhatIsStillComing) {
 
 TEST(HttpStop, WritesTheAnswerToAcceptedRequests) {
   const std::string large(32 << 20, 'x');
-  HttpHouse house({}, [&](const SmoothJob&, const RunControl&) {
-    SmoothResult result;
-    result.mesh = large;
-    return Result<SmoothResult>(std::move(result));
-  });
+  HttpHouse house({}, answer_with(large));
   RawHttp client(house.port());
   client.send_request("POST", "/v1/smooth", "bytes");
   EXPECT_EQ(client.read_head().status, 200);
@@ -133,11 +129,7 @@ TEST(HttpStop, WritesTheAnswerToAcceptedRequests) {
 
 TEST(HttpStop, EndsWithinItsPatienceWhateverClientsDo) {
   const std::string large(64 << 20, 'x');
-  HttpHouse house({}, [&](const SmoothJob&, const RunControl&) {
-    SmoothResult result;
-    result.mesh = large;
-    return Result<SmoothResult>(std::move(result));
-  });
+  HttpHouse house({}, answer_with(large));
   RawHttp stalled(house.port()), sending(house.port()), head(house.port());
   stalled.send_request("POST", "/v1/smooth", "bytes");
   EXPECT_EQ(stalled.read_head().status, 200);

@@ -6,6 +6,7 @@
 #include <future>
 
 #include "tests/server/gate.h"
+#include "tests/server/jobs_house.h"
 #include "tests/support/eventually.h"
 #include "tests/support/shapes.h"
 
@@ -16,14 +17,10 @@ using namespace std::chrono_literals;
 using testing::Gate;
 using ::testing::HasSubstr;
 
-struct House {
+struct House : testing::JobsHouse {
   explicit House(const RequestLimits& limits = {}, const JobRunnerOptions& options = {.workers = 1},
                  SmoothFunction smooth = {})
-      : service(limits),
-        runner(options),
-        jobs(service, runner, spool, lifecycle, metrics, std::move(smooth)) {
-    lifecycle.move_to(LifecycleState::Serving);
-  }
+      : JobsHouse({limits, options, std::move(smooth)}) {}
 
   /// What became of a request to smooth.
   std::future<Result<SmoothResult>> smooth(SmoothJob job, const Caller& caller = {}) {
@@ -33,13 +30,6 @@ struct House {
                 [promise](Result<SmoothResult> result) { promise->set_value(std::move(result)); });
     return future;
   }
-
-  SmoothService service;
-  Lifecycle lifecycle;
-  Metrics metrics;
-  Spool spool;
-  JobRunner runner;
-  Jobs jobs;
 };
 
 const std::string& mesh() {

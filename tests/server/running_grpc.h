@@ -15,6 +15,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "server/grpc/grpc_server.h"
+#include "tests/server/jobs_house.h"
 #include "tests/support/eventually.h"
 
 namespace burnish::testing {
@@ -54,25 +55,26 @@ struct GrpcSetup {
 class RunningGrpc {
  public:
   explicit RunningGrpc(GrpcSetup setup = {})
-      : service_(setup.config.limits),
-        runner_({.workers = setup.config.workers, .queue = setup.config.queue, .threads = 1}),
-        jobs_(service_, runner_, spool_, lifecycle_, metrics_, std::move(setup.smooth)) {
+      : house_({.limits = setup.config.limits,
+                .runner = {.workers = setup.config.workers, .queue = setup.config.queue, .threads = 1},
+                .smooth = std::move(setup.smooth)}) {
     if (!setup.config.grpc_listen.is_unix()) setup.config.grpc_listen = {"127.0.0.1", 0};
-    server_ = std::move(GrpcServer::start(setup.config, jobs_, setup.idle).value());
+    server_ = std::move(GrpcServer::start(setup.config, house_.jobs, setup.idle).value());
     stub_ = v1::SmoothingService::NewStub(connect(server_->address()));
-    lifecycle_.move_to(LifecycleState::Serving);
   }
-  ~RunningGrpc() { runner_.drain(std::chrono::milliseconds::zero()); }
+  ~RunningGrpc() { house_.runner.drain(std::chrono::milliseconds::zero()); }  // their answers use the server
 
   v1::SmoothingService::Stub& stub() { return *stub_; }
   GrpcServer& server() { return *server_; }
-  JobRunner& runner() { return runner_; }
-  Lifecycle& lifecycle() { return lifecycle_; }
-  Jobs& jobs() { return jobs_; }
+  JobRunner& runner() { return house_.runner; }
+  Lifecycle& lifecycle() { return house_.lifecycle; }
+  Jobs& jobs() { return house_.jobs; }
 
   /// Nothing of any call is left: no job, no bytes, no call under way.
   bool forgets_everything() {
-    if (!eventually([&] { return runner_.queued() + runner_.running() == 0 && spool_.bytes() == 0; })) {
+    if (!eventually([&] {
+          return house_.runner.queued() + house_.runner.running() == 0 && house_.spool.bytes() == 0;
+        })) {
       return false;
     }
     const auto begin = std::chrono::steady_clock::now();
@@ -81,12 +83,7 @@ class RunningGrpc {
   }
 
  private:
-  Lifecycle lifecycle_;
-  Metrics metrics_;
-  SmoothService service_;
-  Spool spool_;
-  JobRunner runner_;
-  Jobs jobs_;
+  JobsHouse house_;
   std::unique_ptr<GrpcServer> server_;
   std::unique_ptr<v1::SmoothingService::Stub> stub_;
 };
