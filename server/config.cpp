@@ -98,6 +98,7 @@ std::variant<Config, int> parse_config(int argc, const char* const* argv) {
   CLI::App app("Smooths scanned triangle meshes over gRPC and HTTP.", "burnishd");
   app.set_version_flag("--version", "burnishd " + std::string(version()));
   std::vector<const CLI::Option*> options;
+  options.reserve(settings.size());
   for (const Setting& setting : settings) options.push_back(add_flag(app, setting));
   std::string file;
   app.add_option("--config", file, "JSON object of settings; flags and environment win")

@@ -47,9 +47,9 @@ class CompareStream final : public UploadCall<Reactor> {
     CompareJob job = std::move(job_);
     job.reference = upload->reference();
     job.mesh = upload->mesh();
-    return home_.jobs.compare(caller_, std::move(job), [self, upload](Result<v1::CompareResponse> result) {
-      self->answer(std::move(result));
-    });
+    return home_.jobs.compare(
+        caller_, std::move(job),
+        [self, upload](const Result<v1::CompareResponse>& result) { self->answer(result); });
   }
 
   void answer(const Result<v1::CompareResponse>& result) {

@@ -64,8 +64,13 @@ void ConnectionThreads::serve(Threads::iterator self) {
     --busy_;
     work_ends_.notify_all();
   }
+  // Joined by the next one that ends: a thread that nobody joined keeps its stack.
+  Threads before;
+  before.swap(ended_);
   ended_.splice(ended_.end(), threads_, self);
   work_ends_.notify_all();
+  lock.unlock();
+  for (std::thread& thread : before) thread.join();
 }
 
 std::size_t ConnectionThreads::busy() const {

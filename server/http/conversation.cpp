@@ -111,8 +111,10 @@ void Conversation::set_up() {
   });
   Post(".*", [this](const httplib::Request&, httplib::Response& response,
                     const httplib::ContentReader& read) { respond(answer_body(read), response); });
-  set_exception_handler([this](const httplib::Request&, httplib::Response& response,
-                               std::exception_ptr thrown) { respond(answer_exception(thrown), response); });
+  set_exception_handler(
+      [this](const httplib::Request&, httplib::Response& response, const std::exception_ptr& thrown) {
+        respond(answer_exception(thrown), response);
+      });
   set_error_handler([this](const httplib::Request&, httplib::Response& response) {
     if (!exchange_.answered) {
       respond(context_.gateway.bad_request(response.status, {Cause::BadRequest, kNotUnderstood}), response);

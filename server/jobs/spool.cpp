@@ -83,7 +83,7 @@ Result<std::string_view> Body::finish() {
   return std::string_view(mapped_, size_);
 }
 
-Spool::Spool(SpoolOptions options)
+Spool::Spool(const SpoolOptions& options)
     : options_({folder_or_default(options.folder), options.in_memory, options.max_bytes}) {}
 
 Result<> Spool::check() const {

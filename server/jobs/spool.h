@@ -53,7 +53,7 @@ class Body {
 /// Thread-safe. Must outlive its bodies.
 class Spool {
  public:
-  explicit Spool(SpoolOptions options = {});
+  explicit Spool(const SpoolOptions& options = {});
 
   /// Proves that the folder can be written to. Errors: BadOption.
   Result<> check() const;
