@@ -16,6 +16,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using testing::answer_with;
 using testing::code_of;
 using testing::eventually;
 using testing::HttpHouse;

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using testing::answer_with;
 using testing::code_of;
 using testing::echo;
 using testing::eventually;
