@@ -1,6 +1,7 @@
 # Everything comes from Debian 12's packages except cpp-httplib, which scripts/setup fetches in a newer version.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(FastFloat REQUIRED)
 find_package(draco REQUIRED)
 find_package(Protobuf CONFIG QUIET)

@@ -17,6 +17,7 @@ struct Surface {
   Topology topology;
   std::vector<Index> weld;             ///< file vertex -> mesh vertex
   std::vector<Index> source_triangle;  ///< mesh triangle -> file triangle
+  std::vector<std::uint8_t> pinned;    ///< per mesh vertex, 1: it must not move; empty: none is pinned
   double mean_edge = 0;                ///< h, in local units (see Frame)
   std::uint32_t welded_vertices = 0;   ///< file vertices that share their position with an earlier one
   std::uint32_t degenerate_triangles = 0;

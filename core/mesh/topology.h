@@ -47,6 +47,10 @@ struct Topology {
   std::uint32_t components = 0;  ///< sets of triangles connected by vertices
 
   bool has(Index vertex, VertexFlag flag) const { return (vertex_flags[vertex] & flag) != 0; }
+  /// The neighbour of triangle t across its edge e winds the other way.
+  bool opposed(std::size_t t, std::size_t e) const {
+    return !opposed_neighbours.empty() && (opposed_neighbours[t] >> e & 1) != 0;
+  }
 };
 
 /// O(n log(highest valence)). The triangles' indices must be in range and distinct within each triangle, and

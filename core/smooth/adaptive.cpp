@@ -39,16 +39,18 @@ class Adaptive {
     per_squared_scale_ = scale > 0 ? 1 / (scale * scale) : 0;
   }
 
-  bool advance(std::span<const SimdVec3> from, std::span<SimdVec3> to) {
+  bool prepare(std::span<const SimdVec3> from) {
     return for_each_face([&](std::size_t f) { measure(from, f); }) &&
-           for_each_face([&](std::size_t f) { planes_[f].expected_normal = expected_normal(f); }) &&
-           parallel_for(from.size(), run_, [&](std::size_t begin, std::size_t end) {
-             for (std::size_t v = begin; v < end; ++v) {
-               if (!movable_[v]) continue;
-               const float d = static_cast<float>(coefficient(from, v));
-               to[v] = from[v] + offset(from[v], v) * d;  // Eq. 8
-             }
-           });
+           for_each_face([&](std::size_t f) { planes_[f].expected_normal = expected_normal(f); });
+  }
+
+  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
+            std::size_t end) const {
+    for (std::size_t v = begin; v < end; ++v) {
+      if (!movable_[v]) continue;
+      const float d = static_cast<float>(coefficient(from, v));
+      to[v] = from[v] + offset(from[v], v) * d;  // Eq. 8
+    }
   }
 
  private:
@@ -83,7 +85,7 @@ class Adaptive {
     if (params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges) {
       for (std::size_t side = 0; side < 3; ++side) {
         const Index neighbour = topology_.face_neighbours[f][side];
-        if (neighbour != kNone) add(neighbour, opposed(f, side));
+        if (neighbour != kNone) add(neighbour, topology_.opposed(f, side));
       }
     } else {
       for_each_vertex_neighbour(f, [&](Index neighbour) { add(neighbour, false); });
@@ -94,10 +96,6 @@ class Adaptive {
       return own.twice_area > 0 ? own.area_normal * (1 / own.twice_area) : SimdVec3{};
     }
     return sum * (1 / (params_.normals == AdaptiveParams::Normals::Unit ? size : areas));
-  }
-
-  bool opposed(std::size_t f, std::size_t side) const {
-    return !topology_.opposed_neighbours.empty() && (topology_.opposed_neighbours[f] >> side & 1) != 0;
   }
 
   /// Each triangle that shares a vertex with f, once, f itself left out.
@@ -177,10 +175,12 @@ double offset_coefficient(const AdaptiveParams& params, double x) {
 
 Result<SmoothOutcome> smooth_adaptive(Surface& surface, const AdaptiveParams& params,
                                       const IterationOptions& options, const RunControl& run) {
-  const auto movable = movable_vertices(surface.topology, options.boundary);
-  Adaptive adaptive(surface, params, movable, run);
-  return iterate(surface, movable, options, run,
-                 [&](auto from, auto to) { return adaptive.advance(from, to); });
+  const Constraints constraints(surface, options.constraints);
+  Adaptive adaptive(surface, params, constraints.movable(), run);
+  return iterate(surface, constraints, options, run,
+                 {.prepare = [&](auto from) { return adaptive.prepare(from); },
+                  .move = [&](auto from, auto to, std::size_t begin,
+                              std::size_t end) { adaptive.move(from, to, begin, end); }});
 }
 
 Method adaptive_method() {

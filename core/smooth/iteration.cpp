@@ -2,38 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 
 #include "core/run/parallel.h"
+#include "core/smooth/volume.h"
 
 namespace burnish {
-namespace {
-
-/// Positions this many diagonals away have diverged; stopping here keeps every square and cube finite.
-constexpr float kFarthest = 1e6F;
-
-/// What writing a coordinate as text may add to a displacement, in local units: max_displacement holds in the
-/// file.
-constexpr double kTextSlack = 0x1p-22;
-
-bool bounded(SimdVec3 p) {  // false for NaN too
-  return std::abs(p.x()) <= kFarthest && std::abs(p.y()) <= kFarthest && std::abs(p.z()) <= kFarthest;
-}
-
-/// The point on the way from `home` to `p` that is at most `limit` from home, after rounding to float.
-Vec3f pull_back(const Vec3f& home, const Vec3f& p, double limit) {
-  const Vec3d start = to_double(home), way = to_double(p) - start;
-  const double distance = length(way);
-  if (!(distance > limit)) return p;
-  for (int share = 64; share > 32; --share) {  // in 64ths; rounding rarely needs the second
-    const Vec3f near = to_float(start + way * (share * limit / (64 * distance)));
-    if (length(to_double(near) - start) <= limit) return near;
-  }
-  return home;
-}
-
-}  // namespace
-
 std::vector<ParameterSpec> iteration_parameters() {
   const IterationOptions defaults;
   return {
@@ -60,46 +33,46 @@ std::vector<ParameterSpec> iteration_parameters() {
        .default_value = std::string("edges"),
        .choices = {"edges", "mesh"},
        .text = "Whether max_displacement counts mean edge lengths of the input or the mesh's own unit."},
+      {.name = "preserve_volume",
+       .kind = ParameterKind::Choice,
+       .default_value = std::string("no"),
+       .choices = {"no", "yes"},
+       .text = "Whether the volume that each component lost is given back at the end, by an offset along the "
+               "normals."},
+      {.name = "lock_features",
+       .default_value = 0.0,
+       .minimum = 0,
+       .maximum = 180,
+       .unit = "degrees",
+       .text = "Edges of the input that are sharper than this keep their line: vertices slide along it, and "
+               "stay where such edges meet or end. 0 locks none."},
   };
 }
 
 IterationOptions iteration_options(const ParameterValues& values, const Surface& surface) {
   IterationOptions options;
   options.iterations = static_cast<std::uint32_t>(values.integer("iterations"));
-  options.boundary = values.choice("boundary") == "free" ? BoundaryRule::Free : BoundaryRule::Fixed;
+  ConstraintOptions& constraints = options.constraints;
+  constraints.boundary = values.choice("boundary") == "free" ? BoundaryRule::Free : BoundaryRule::Fixed;
   const double unit =
       values.choice("max_displacement_unit") == "edges" ? surface.mean_edge : 1 / surface.mesh.frame.scale();
-  options.max_displacement = values.number("max_displacement") * unit;
+  constraints.max_displacement = values.number("max_displacement") * unit;
+  constraints.lock_features = values.number("lock_features");
+  options.preserve_volume = values.choice("preserve_volume") == "yes";
   return options;
 }
 
-std::vector<std::uint8_t> movable_vertices(const Topology& topology, BoundaryRule boundary) {
-  int stays = kIsolatedVertex | kNonManifoldVertex;
-  if (boundary == BoundaryRule::Fixed) stays |= kBoundaryVertex;
-  std::vector<std::uint8_t> movable(topology.vertex_flags.size());
-  for (std::size_t v = 0; v < movable.size(); ++v) movable[v] = (topology.vertex_flags[v] & stays) == 0;
-  return movable;
-}
-
-Result<SmoothOutcome> iterate(Surface& surface, std::span<const std::uint8_t> movable,
-                              const IterationOptions& options, const RunControl& run,
-                              const Advance& advance) {
+Result<SmoothOutcome> iterate(Surface& surface, const Constraints& constraints,
+                              const IterationOptions& options, const RunControl& run, const Passes& passes) {
   std::vector<Vec3f>& home = surface.mesh.positions;
   std::vector<SimdVec3> from(home.begin(), home.end()), to = from;
-  const bool limited = options.max_displacement > 0;
-  const double limit = std::max(0.0, options.max_displacement - kTextSlack);
   SmoothOutcome outcome;
   for (; outcome.iterations < options.iterations; ++outcome.iterations) {
-    if (!advance(from, to)) return run.stop_error();
+    if (passes.prepare && !passes.prepare(from)) return run.stop_error();
     std::atomic<bool> diverged = false;
     const bool done = parallel_for(home.size(), run, [&](std::size_t begin, std::size_t end) {
-      bool fine = true;
-      for (std::size_t v = begin; v < end; ++v) {
-        if (!movable[v]) continue;
-        fine &= bounded(to[v]);
-        if (limited) to[v] = SimdVec3(pull_back(home[v], to[v].vec3(), limit));
-      }
-      if (!fine) diverged.store(true, std::memory_order_relaxed);
+      passes.move(from, to, begin, end);
+      if (!constraints.enforce(to, begin, end)) diverged.store(true, std::memory_order_relaxed);
     });
     if (!done) return run.stop_error();
     if (diverged.load()) {
@@ -112,6 +85,9 @@ Result<SmoothOutcome> iterate(Surface& surface, std::span<const std::uint8_t> mo
     }
     from.swap(to);
     run.report((outcome.iterations + 1.0) / options.iterations);
+  }
+  if (options.preserve_volume && !restore_volume(surface, constraints, from, run, outcome.warnings)) {
+    return run.stop_error();
   }
   std::ranges::transform(from, home.begin(), &SimdVec3::vec3);
   return outcome;

@@ -7,10 +7,12 @@ namespace burnish {
 
 Result<SmoothOutcome> smooth_laplacian(Surface& surface, const LaplacianParams& params,
                                        const IterationOptions& options, const RunControl& run) {
-  const auto movable = movable_vertices(surface.topology, options.boundary);
+  const Constraints constraints(surface, options.constraints);
   const float lambda = static_cast<float>(params.lambda);
-  return iterate(surface, movable, options, run,
-                 [&](auto from, auto to) { return umbrella_step(surface, movable, lambda, from, to, run); });
+  return iterate(surface, constraints, options, run,
+                 {.move = [&](auto from, auto to, std::size_t begin, std::size_t end) {
+                   umbrella_step(surface, constraints.movable(), lambda, from, to, begin, end);
+                 }});
 }
 
 Method laplacian_method() {

@@ -52,23 +52,26 @@ SimdVec3 flow_step(const Surface& surface, std::span<const FaceWeights> weights,
 
 Result<SmoothOutcome> smooth_mean_curvature_flow(Surface& surface, const MeanCurvatureFlowParams& params,
                                                  const IterationOptions& options, const RunControl& run) {
-  const auto movable = movable_vertices(surface.topology, options.boundary);
+  const Constraints constraints(surface, options.constraints);
+  const auto movable = constraints.movable();
   const float time_step = static_cast<float>(params.time_step * surface.mean_edge * surface.mean_edge);
   const float largest = static_cast<float>(params.largest_cotangent);
   std::vector<FaceWeights> weights(surface.mesh.triangles.size());
-  return iterate(surface, movable, options, run, [&](std::span<const SimdVec3> from, std::span<SimdVec3> to) {
-    return parallel_for(weights.size(), run,
-                        [&](std::size_t begin, std::size_t end) {
+  return iterate(surface, constraints, options, run,
+                 {.prepare =
+                      [&](auto from) {
+                        return parallel_for(weights.size(), run, [&](std::size_t begin, std::size_t end) {
                           for (std::size_t f = begin; f < end; ++f) {
                             weights[f] = face_weights(surface.mesh.triangles[f], from, largest);
                           }
-                        }) &&
-           parallel_for(from.size(), run, [&](std::size_t begin, std::size_t end) {
-             for (std::size_t v = begin; v < end; ++v) {
-               if (movable[v]) to[v] = flow_step(surface, weights, from, v, time_step);
-             }
-           });
-  });
+                        });
+                      },
+                  .move =
+                      [&](auto from, auto to, std::size_t begin, std::size_t end) {
+                        for (std::size_t v = begin; v < end; ++v) {
+                          if (movable[v]) to[v] = flow_step(surface, weights, from, v, time_step);
+                        }
+                      }});
 }
 
 Method mean_curvature_flow_method() {

@@ -1,5 +1,6 @@
 #include "core/smooth/taubin.h"
 
+#include "core/run/parallel.h"
 #include "core/smooth/parameters.h"
 #include "core/smooth/umbrella.h"
 
@@ -7,13 +8,20 @@ namespace burnish {
 
 Result<SmoothOutcome> smooth_taubin(Surface& surface, const TaubinParams& params,
                                     const IterationOptions& options, const RunControl& run) {
-  const auto movable = movable_vertices(surface.topology, options.boundary);
+  const Constraints constraints(surface, options.constraints);
+  const auto movable = constraints.movable();
   const float lambda = static_cast<float>(params.lambda), mu = static_cast<float>(params.mu);
   std::vector<SimdVec3> shrunk(surface.mesh.positions.begin(), surface.mesh.positions.end());
-  return iterate(surface, movable, options, run, [&](auto from, auto to) {
-    return umbrella_step(surface, movable, lambda, from, shrunk, run) &&
-           umbrella_step(surface, movable, mu, shrunk, to, run);
-  });
+  return iterate(
+      surface, constraints, options, run,
+      {.prepare =
+           [&](auto from) {
+             return parallel_for(from.size(), run, [&](std::size_t begin, std::size_t end) {
+               umbrella_step(surface, movable, lambda, from, shrunk, begin, end);
+             });
+           },
+       .move = [&](auto, auto to, std::size_t begin,
+                   std::size_t end) { umbrella_step(surface, movable, mu, shrunk, to, begin, end); }});
 }
 
 Method taubin_method() {

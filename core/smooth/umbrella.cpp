@@ -1,7 +1,5 @@
 #include "core/smooth/umbrella.h"
 
-#include "core/run/parallel.h"
-
 namespace burnish {
 namespace {
 
@@ -23,17 +21,16 @@ SimdVec3 boundary_umbrella(const Surface& surface, std::span<const SimdVec3> pos
 
 }  // namespace
 
-bool umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
-                   std::span<const SimdVec3> from, std::span<SimdVec3> to, const RunControl& run) {
+void umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
+                   std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
+                   std::size_t end) {
   const Topology& topology = surface.topology;
-  return parallel_for(from.size(), run, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      if (!movable[v]) continue;
-      const bool open = topology.has(static_cast<Index>(v), kBoundaryVertex);
-      const SimdVec3 u = open ? boundary_umbrella(surface, from, v) : umbrella(from, topology, v);
-      to[v] = from[v] + u * factor;
-    }
-  });
+  for (std::size_t v = begin; v < end; ++v) {
+    if (!movable[v]) continue;
+    const bool open = topology.has(static_cast<Index>(v), kBoundaryVertex);
+    const SimdVec3 u = open ? boundary_umbrella(surface, from, v) : umbrella(from, topology, v);
+    to[v] = from[v] + u * factor;
+  }
 }
 
 }  // namespace burnish

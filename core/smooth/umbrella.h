@@ -19,10 +19,11 @@ inline SimdVec3 umbrella(std::span<const SimdVec3> positions, const Topology& to
   return sum * (1.0F / static_cast<float>(neighbours.size()));
 }
 
-/// One step v' = v + factor U(v) for every movable vertex; a boundary vertex is averaged with its two
-/// neighbours along the boundary only. Reads the topology and triangles of `surface`, not its positions.
-/// False when stopped.
-bool umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
-                   std::span<const SimdVec3> from, std::span<SimdVec3> to, const RunControl& run);
+/// One step v' = v + factor U(v) for the movable vertices in [begin, end); a boundary vertex is averaged with
+/// its two neighbours along the boundary only. Reads the topology and triangles of `surface`, not its
+/// positions.
+void umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
+                   std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
+                   std::size_t end);
 
 }  // namespace burnish
