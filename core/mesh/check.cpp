@@ -15,8 +15,11 @@ Index first_file_vertex(const Surface& surface, VertexFlag flag) {
 
 Index first_opposed_triangle(const Surface& surface) {
   const auto& opposed = surface.topology.opposed_neighbours;
-  const auto at = std::find_if(opposed.begin(), opposed.end(), [](auto bits) { return bits != 0; });
-  return surface.source_triangle[static_cast<std::size_t>(at - opposed.begin())];
+  Index first = kNone;
+  for (std::size_t t = 0; t < opposed.size(); ++t) {
+    if (opposed[t] != 0) first = std::min(first, surface.source_triangle[t]);
+  }
+  return first;
 }
 
 std::string times(std::uint32_t count, const char* one, const char* many) {

@@ -12,10 +12,14 @@ namespace burnish {
 
 class SimdVec3 {
  public:
+  using Lanes = float __attribute__((vector_size(16)));
+
   constexpr SimdVec3() = default;
+  explicit constexpr SimdVec3(Lanes lanes) : lanes_(lanes) {}
   constexpr SimdVec3(float x, float y, float z) : lanes_{x, y, z, 0} {}
   explicit constexpr SimdVec3(const Vec3f& a) : lanes_{a.x, a.y, a.z, 0} {}
   Vec3f vec3() const { return {lanes_[0], lanes_[1], lanes_[2]}; }
+  Lanes lanes() const { return lanes_; }
 
   float x() const { return lanes_[0]; }
   float y() const { return lanes_[1]; }
@@ -38,9 +42,7 @@ class SimdVec3 {
   friend float length(SimdVec3 a) { return std::sqrt(dot(a, a)); }
 
  private:
-  // The fourth lane stays 0, or -0; nothing reads it.
-  using Lanes = float __attribute__((vector_size(16)));
-  explicit constexpr SimdVec3(Lanes lanes) : lanes_(lanes) {}
+  // The fourth lane stays 0, or -0.
   Lanes turned() const { return __builtin_shufflevector(lanes_, lanes_, 1, 2, 0, 3); }
   Lanes turned_back() const { return __builtin_shufflevector(lanes_, lanes_, 2, 0, 1, 3); }
 

@@ -6,14 +6,23 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <vector>
 
-namespace burnish::detail {
+namespace burnish {
 
-bool run_blocks(std::size_t count, const RunControl& run, BlockFunction function, void* context) {
-  const std::size_t blocks = (count + kBlockSize - 1) / kBlockSize;
+std::size_t thread_count(const RunControl& run) {
+  const int cores = tbb::info::default_concurrency();  // oneTBB warns on stderr about arenas with more
+  return static_cast<std::size_t>(run.threads == 0 ? cores : std::min(cores, static_cast<int>(run.threads)));
+}
+
+namespace detail {
+
+bool run_blocks(std::size_t count, std::size_t block_size, const RunControl& run, BlockFunction function,
+                void* context) {
+  const std::size_t blocks = (count + block_size - 1) / block_size;
   const auto one = [&](std::size_t block) {
-    function(context, block, block * kBlockSize, std::min(count, (block + 1) * kBlockSize));
+    function(context, block, block * block_size, std::min(count, (block + 1) * block_size));
   };
   if (run.threads == 1 || blocks < 2) {
     for (std::size_t block = 0; block < blocks; ++block) {
@@ -23,8 +32,7 @@ bool run_blocks(std::size_t count, const RunControl& run, BlockFunction function
     return !run.stopped();
   }
   std::atomic<bool> stopped = false;
-  const int cores = tbb::info::default_concurrency();  // oneTBB warns on stderr about arenas with more
-  tbb::task_arena arena(run.threads == 0 ? cores : std::min(cores, static_cast<int>(run.threads)));
+  tbb::task_arena arena(static_cast<int>(thread_count(run)));
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
       if (stopped.load(std::memory_order_relaxed)) return;
@@ -46,7 +54,7 @@ double sum_blocks(std::size_t count, const RunControl& run,
     std::vector<double> partial;
   } job{function, context, std::vector<double>((count + kBlockSize - 1) / kBlockSize)};
   run_blocks(
-      count, run,
+      count, kBlockSize, run,
       [](void* p, std::size_t block, std::size_t begin, std::size_t end) {
         auto& j = *static_cast<Job*>(p);
         j.partial[block] = j.function(j.context, begin, end);
@@ -57,4 +65,5 @@ double sum_blocks(std::size_t count, const RunControl& run,
   return sum;
 }
 
-}  // namespace burnish::detail
+}  // namespace detail
+}  // namespace burnish

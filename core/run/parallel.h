@@ -15,7 +15,8 @@ inline constexpr std::size_t kBlockSize = 2048;
 
 namespace detail {
 using BlockFunction = void (*)(void* context, std::size_t block, std::size_t begin, std::size_t end);
-bool run_blocks(std::size_t count, const RunControl& run, BlockFunction function, void* context);
+bool run_blocks(std::size_t count, std::size_t block_size, const RunControl& run, BlockFunction function,
+                void* context);
 double sum_blocks(std::size_t count, const RunControl& run,
                   double (*function)(void*, std::size_t, std::size_t), void* context);
 }  // namespace detail
@@ -25,12 +26,28 @@ template <class Body>
 bool parallel_for(std::size_t count, const RunControl& run, Body&& body) {
   using Plain = std::remove_reference_t<Body>;
   return detail::run_blocks(
-      count, run,
+      count, kBlockSize, run,
       [](void* context, std::size_t, std::size_t begin, std::size_t end) {
         (*static_cast<Plain*>(context))(begin, end);
       },
       const_cast<void*>(static_cast<const void*>(std::addressof(body))));
 }
+
+/// Calls body(task) for every task of [0, tasks), each large enough for a thread. Tasks ask run.stopped()
+/// themselves. False when stopped.
+template <class Body>
+bool parallel_tasks(std::size_t tasks, const RunControl& run, Body&& body) {
+  using Plain = std::remove_reference_t<Body>;
+  return detail::run_blocks(
+      tasks, 1, run,
+      [](void* context, std::size_t task, std::size_t, std::size_t) {
+        (*static_cast<Plain*>(context))(task);
+      },
+      const_cast<void*>(static_cast<const void*>(std::addressof(body))));
+}
+
+/// The threads that run.threads stands for, at least 1.
+std::size_t thread_count(const RunControl& run);
 
 /// Sum over all blocks of body(begin, end) in double, added in the order of the blocks. When stopped, the
 /// value means nothing: ask run.stopped().

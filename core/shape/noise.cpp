@@ -65,8 +65,10 @@ Result<> add_noise(Surface& surface, const NoiseOptions& options) {
   const std::vector<Vec3d> normals = vertex_normals(mesh);
   const double size = options.amplitude * surface.mean_edge;
   Draws draws(options.seed);
-  for (Index v = 0; v < mesh.positions.size(); ++v) {
-    if (surface.topology.has(v, kIsolatedVertex)) continue;
+  std::vector<std::uint8_t> drawn(mesh.positions.size());
+  for (const Index v : surface.weld) {  // in the file's order: the mesh may lie in memory in another
+    if (drawn[v] != 0 || surface.topology.has(v, kIsolatedVertex)) continue;
+    drawn[v] = 1;
     if (options.kind == NoiseKind::Impulsive && draws.unit() >= options.fraction) continue;
     Vec3d step;
     if (options.direction == NoiseDirection::Normal) {

@@ -4,26 +4,19 @@
 
 #include "core/run/math.h"
 #include "core/run/parallel.h"
+#include "core/smooth/adaptive_kernels.h"
 #include "core/smooth/parameters.h"
 #include "core/smooth/umbrella.h"
+#include "core/smooth/valence_order.h"
 
 namespace burnish {
 namespace {
 
-/// What Eq. 1 asks of a neighbour. Apart from Plane, so that each pass gathers only what it needs.
-struct Face {
-  SimdVec3 area_normal;  // cross product of two edges: normal times twice the area
-  float twice_area = 0;
-};
+using adaptive_kernels::kVanishing;
+using adaptive_kernels::Row;
+using adaptive_kernels::Wings;
 
-/// What Eq. 2 asks of a triangle at the vertex.
-struct Plane {
-  SimdVec3 expected_normal, centroid;
-};
-
-/// Below this share of the summed areas the weighted normals cancel out, and their sum is only rounding.
-constexpr float kVanishing = 1e-6F;
-
+/// The paper's choices run in the kernels, all others here, one triangle or vertex at a time.
 class Adaptive {
  public:
   Adaptive(const Surface& surface, const AdaptiveParams& params, std::span<const std::uint8_t> movable,
@@ -31,42 +24,71 @@ class Adaptive {
       : surface_(surface),
         topology_(surface.topology),
         params_(params),
-        movable_(movable),
         run_(run),
-        faces_(surface.mesh.triangles.size()),
+        order_(surface.topology, movable, ValenceOrder::With::NeighboursAndFaces, run),
         planes_(surface.mesh.triangles.size()) {
     const double scale = params.scale > 0 ? params.scale / surface.mesh.frame.scale() : surface.mean_edge;
     per_squared_scale_ = scale > 0 ? 1 / (scale * scale) : 0;
+    if (as_printed_) {
+      wings_.resize(planes_.size());
+      for_faces([&](std::size_t f) { wings_[f] = wings(f); });
+    }
+    if (!as_printed_ || params.offsets == AdaptiveParams::Offsets::Area) area_normals_.resize(planes_.size());
   }
 
   bool prepare(std::span<const SimdVec3> from) {
-    return for_each_face([&](std::size_t f) { measure(from, f); }) &&
-           for_each_face([&](std::size_t f) { planes_[f].expected_normal = expected_normal(f); });
+    if (!area_normals_.empty() &&
+        !for_faces([&](std::size_t f) { area_normals_[f] = area_normal(from, f); })) {
+      return false;
+    }
+    if (!as_printed_) return for_faces([&](std::size_t f) { planes_[f] = plane(from, f); });
+    return parallel_for(planes_.size(), run_, [&](std::size_t begin, std::size_t end) {
+      kernels_.expect(wings_, from, begin, end, planes_);
+    });
   }
 
-  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
-            std::size_t end) const {
-    for (std::size_t v = begin; v < end; ++v) {
-      if (!movable_[v]) continue;
-      const float d = static_cast<float>(coefficient(from, v));
-      to[v] = from[v] + offset(from[v], v) * d;  // Eq. 8
-    }
+  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
+    const bool plain = params_.offsets == AdaptiveParams::Offsets::Uniform &&
+                       params_.umbrella == AdaptiveParams::Umbrella::Uniform &&
+                       params_.coefficient == AdaptiveParams::Coefficient::Exponential;
+    order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
+      if (plain && group.valence != ValenceOrder::kOther) {
+        kernels_.move(group, planes_, static_cast<float>(per_squared_scale_), from, to);
+        return;
+      }
+      for (const Index v : group.vertices) {
+        const float d = static_cast<float>(coefficient(from, v));
+        to[v] = from[v] + offset(from[v], v) * d;  // Eq. 8
+      }
+    });
   }
 
  private:
   template <class Visit>
-  bool for_each_face(Visit&& visit) {
-    return parallel_for(faces_.size(), run_, [&](std::size_t begin, std::size_t end) {
+  bool for_faces(Visit&& visit) {
+    return parallel_for(planes_.size(), run_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) visit(f);
     });
   }
 
-  void measure(std::span<const SimdVec3> from, std::size_t f) {
+  Wings wings(std::size_t f) const {
     const Triangle& t = surface_.mesh.triangles[f];
-    const SimdVec3 a = from[t[0]], b = from[t[1]], c = from[t[2]];
-    const SimdVec3 area_normal = cross(b - a, c - a);
-    faces_[f] = {area_normal, length(area_normal)};
-    planes_[f].centroid = (a + b + c) * (1.0F / 3.0F);
+    Wings result{.corners = {2 * t[0], 2 * t[1], 2 * t[2]}, .far_corners = {2 * t[0], 2 * t[1], 2 * t[2]}};
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Index neighbour = topology_.face_neighbours[f][side];
+      if (neighbour == kNone) continue;
+      const Triangle& n = surface_.mesh.triangles[neighbour];
+      const Index far_corner = n[0] ^ n[1] ^ n[2] ^ t[side] ^ t[(side + 1) % 3];  // what the two do not share
+      result.far_corners[side] = 2 * far_corner;
+    }
+    return result;
+  }
+
+  /// Normal times twice the area, and twice the area.
+  Row area_normal(std::span<const SimdVec3> from, std::size_t f) const {
+    const Triangle& t = surface_.mesh.triangles[f];
+    const SimdVec3 normal = cross(from[t[1]] - from[t[0]], from[t[2]] - from[t[0]]);
+    return Row{normal.x(), normal.y(), normal.z(), length(normal)};
   }
 
   /// m(R), Eq. 1: sum of A(S) n(S) over sum of A(S); n(R) where the neighbours cancel out or there are none.
@@ -74,13 +96,13 @@ class Adaptive {
     SimdVec3 sum;
     float areas = 0;
     const auto add = [&](Index neighbour, bool opposed) {
-      const Face& face = faces_[neighbour];
+      const SimdVec3 area_normal = normal(neighbour);
       if (opposed) {
-        sum -= face.area_normal;
+        sum -= area_normal;
       } else {
-        sum += face.area_normal;
+        sum += area_normal;
       }
-      areas += face.twice_area;
+      areas += twice_area(neighbour);
     };
     if (params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges) {
       for (std::size_t side = 0; side < 3; ++side) {
@@ -92,10 +114,21 @@ class Adaptive {
     }
     const float size = length(sum);
     if (size <= kVanishing * areas || areas == 0) {
-      const Face& own = faces_[f];
-      return own.twice_area > 0 ? own.area_normal * (1 / own.twice_area) : SimdVec3{};
+      return twice_area(f) > 0 ? normal(f) * (1 / twice_area(f)) : SimdVec3{};
     }
     return sum * (1 / (params_.normals == AdaptiveParams::Normals::Unit ? size : areas));
+  }
+
+  SimdVec3 normal(std::size_t f) const {
+    const Row& row = area_normals_[f];
+    return {row[0], row[1], row[2]};
+  }
+  float twice_area(std::size_t f) const { return area_normals_[f][3]; }
+
+  Row plane(std::span<const SimdVec3> from, std::size_t f) const {
+    const Triangle& t = surface_.mesh.triangles[f];
+    const SimdVec3 m = expected_normal(f);
+    return Row{m.x(), m.y(), m.z(), dot(m, (from[t[0]] + from[t[1]] + from[t[2]]) * (1.0F / 3.0F))};
   }
 
   /// Each triangle that shares a vertex with f, once, f itself left out.
@@ -119,9 +152,10 @@ class Adaptive {
     SimdVec3 sum;
     float weights = 0;
     for (const Index f : topology_.vertex_faces[v]) {
-      const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? faces_[f].twice_area : 1.0F;
-      const auto& [m, centroid] = planes_[f];
-      sum += m * (weight * dot(centroid - p, m));
+      const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? twice_area(f) : 1.0F;
+      const Row& row = planes_[f];
+      const SimdVec3 m(row[0], row[1], row[2]);
+      sum += m * (weight * (row[3] - dot(p, m)));
       weights += weight;
     }
     return weights > 0 ? sum * (1 / weights) : SimdVec3{};
@@ -151,10 +185,14 @@ class Adaptive {
   const Surface& surface_;
   const Topology& topology_;
   const AdaptiveParams& params_;
-  std::span<const std::uint8_t> movable_;
   const RunControl& run_;
-  std::vector<Face> faces_;
-  std::vector<Plane> planes_;
+  const adaptive_kernels::Kernels& kernels_ = adaptive_kernels::kernels();
+  ValenceOrder order_;
+  const bool as_printed_ = params_.normals == AdaptiveParams::Normals::Raw &&
+                           params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges;
+  std::vector<Wings> wings_;       ///< of every triangle, when Eq. 1 is as printed
+  std::vector<Row> area_normals_;  ///< of every triangle, when something else asks for them
+  std::vector<Row> planes_;
   double per_squared_scale_;
 };
 
@@ -177,10 +215,10 @@ Result<SmoothOutcome> smooth_adaptive(Surface& surface, const AdaptiveParams& pa
                                       const IterationOptions& options, const RunControl& run) {
   const Constraints constraints(surface, options.constraints);
   Adaptive adaptive(surface, params, constraints.movable(), run);
-  return iterate(surface, constraints, options, run,
-                 {.prepare = [&](auto from) { return adaptive.prepare(from); },
-                  .move = [&](auto from, auto to, std::size_t begin,
-                              std::size_t end) { adaptive.move(from, to, begin, end); }});
+  return iterate(
+      surface, constraints, options, run,
+      {.prepare = [&](auto from) { return adaptive.prepare(from); },
+       .move = [&](auto from, auto to, std::size_t begin, std::size_t) { adaptive.move(from, to, begin); }});
 }
 
 Method adaptive_method() {

@@ -15,8 +15,11 @@ constexpr float kFarthest = 1e6F;
 /// file.
 constexpr double kTextSlack = 0x1p-22;
 
-bool within_reach(SimdVec3 p) {  // false for NaN too
-  return std::abs(p.x()) <= kFarthest && std::abs(p.y()) <= kFarthest && std::abs(p.z()) <= kFarthest;
+bool within_reach(std::span<const SimdVec3> positions) {  // false for NaN too
+  using Lanes = SimdVec3::Lanes;
+  auto fine = Lanes{} == Lanes{};
+  for (const SimdVec3 p : positions) fine &= (p.lanes() <= kFarthest) & (p.lanes() >= -kFarthest);
+  return (fine[0] & fine[1] & fine[2]) != 0;
 }
 
 /// The point on the way from `home` to `p` that is at most `limit` from home, after rounding to float.
@@ -94,11 +97,8 @@ Vec3f Constraints::slide(std::size_t vertex, const Vec3f& p) const {
 }
 
 bool Constraints::enforce(std::span<SimdVec3> to, std::size_t begin, std::size_t end) const {
-  bool fine = true;
-  for (std::size_t v = begin; v < end; ++v) {
-    fine &= movable_[v] == 0 || within_reach(to[v]);
-  }
-  if (!fine || (rails_.empty() && !limited_)) return fine;
+  if (!within_reach(to.subspan(begin, end - begin))) return false;
+  if (rails_.empty() && !limited_) return true;
   for (std::size_t v = begin; v < end; ++v) {
     if (movable_[v] == 0) continue;
     Vec3f p = to[v].vec3();

@@ -9,10 +9,10 @@ Result<SmoothOutcome> smooth_laplacian(Surface& surface, const LaplacianParams& 
                                        const IterationOptions& options, const RunControl& run) {
   const Constraints constraints(surface, options.constraints);
   const float lambda = static_cast<float>(params.lambda);
-  return iterate(surface, constraints, options, run,
-                 {.move = [&](auto from, auto to, std::size_t begin, std::size_t end) {
-                   umbrella_step(surface, constraints.movable(), lambda, from, to, begin, end);
-                 }});
+  const UmbrellaStep step(surface, constraints.movable(), run);
+  return iterate(
+      surface, constraints, options, run,
+      {.move = [&](auto from, auto to, std::size_t begin, std::size_t) { step(lambda, from, to, begin); }});
 }
 
 Method laplacian_method() {

@@ -9,19 +9,17 @@ namespace burnish {
 Result<SmoothOutcome> smooth_taubin(Surface& surface, const TaubinParams& params,
                                     const IterationOptions& options, const RunControl& run) {
   const Constraints constraints(surface, options.constraints);
-  const auto movable = constraints.movable();
+  const UmbrellaStep step(surface, constraints.movable(), run);
   const float lambda = static_cast<float>(params.lambda), mu = static_cast<float>(params.mu);
   std::vector<SimdVec3> shrunk(surface.mesh.positions.begin(), surface.mesh.positions.end());
   return iterate(
       surface, constraints, options, run,
       {.prepare =
            [&](auto from) {
-             return parallel_for(from.size(), run, [&](std::size_t begin, std::size_t end) {
-               umbrella_step(surface, movable, lambda, from, shrunk, begin, end);
-             });
+             return parallel_for(from.size(), run,
+                                 [&](std::size_t begin, std::size_t) { step(lambda, from, shrunk, begin); });
            },
-       .move = [&](auto, auto to, std::size_t begin,
-                   std::size_t end) { umbrella_step(surface, movable, mu, shrunk, to, begin, end); }});
+       .move = [&](auto, auto to, std::size_t begin, std::size_t) { step(mu, shrunk, to, begin); }});
 }
 
 Method taubin_method() {

@@ -19,18 +19,34 @@ SimdVec3 boundary_umbrella(const Surface& surface, std::span<const SimdVec3> pos
   return sum * 0.5F;
 }
 
+template <std::size_t kValence>
+void step_group(const ValenceOrder::Group& group, float factor, std::span<const SimdVec3> from,
+                std::span<SimdVec3> to) {
+  const std::uint32_t* row = group.neighbours.data();
+  for (const Index v : group.vertices) {
+    SimdVec3 sum = at_doubled(from.data(), row[0]);
+    for (std::size_t k = 1; k < kValence; ++k) sum += at_doubled(from.data(), row[k]);
+    const SimdVec3 p = from[v];
+    to[v] = p + (sum * (1.0F / kValence) - p) * factor;
+    row += kValence;
+  }
+}
+
 }  // namespace
 
-void umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
-                   std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
-                   std::size_t end) {
-  const Topology& topology = surface.topology;
-  for (std::size_t v = begin; v < end; ++v) {
-    if (!movable[v]) continue;
-    const bool open = topology.has(static_cast<Index>(v), kBoundaryVertex);
-    const SimdVec3 u = open ? boundary_umbrella(surface, from, v) : umbrella(from, topology, v);
-    to[v] = from[v] + u * factor;
-  }
+void UmbrellaStep::operator()(float factor, std::span<const SimdVec3> from, std::span<SimdVec3> to,
+                              std::size_t begin) const {
+  const Topology& topology = surface_.topology;
+  order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
+    with_constant_valence(group.valence,
+                          [&]<std::size_t kValence>() { step_group<kValence>(group, factor, from, to); });
+    if (group.valence != ValenceOrder::kOther) return;
+    for (const Index v : group.vertices) {
+      const SimdVec3 u = topology.has(v, kBoundaryVertex) ? boundary_umbrella(surface_, from, v)
+                                                          : umbrella(from, topology, v);
+      to[v] = from[v] + u * factor;
+    }
+  });
 }
 
 }  // namespace burnish

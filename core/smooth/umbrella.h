@@ -7,6 +7,7 @@
 
 #include "core/mesh/simd_vec3.h"
 #include "core/mesh/surface.h"
+#include "core/smooth/valence_order.h"
 
 namespace burnish {
 
@@ -15,15 +16,24 @@ inline SimdVec3 umbrella(std::span<const SimdVec3> positions, const Topology& to
   const auto neighbours = topology.vertex_neighbours[vertex];
   if (neighbours.empty()) return {};
   SimdVec3 sum;
-  for (const Index w : neighbours) sum += positions[w] - positions[vertex];
-  return sum * (1.0F / static_cast<float>(neighbours.size()));
+  for (const Index w : neighbours) sum += positions[w];
+  return sum * (1.0F / static_cast<float>(neighbours.size())) - positions[vertex];
 }
 
-/// One step v' = v + factor U(v) for the movable vertices in [begin, end); a boundary vertex is averaged with
-/// its two neighbours along the boundary only. Reads the topology and triangles of `surface`, not its
-/// positions.
-void umbrella_step(const Surface& surface, std::span<const std::uint8_t> movable, float factor,
-                   std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
-                   std::size_t end);
+/// Steps v' = v + factor U(v) of the movable vertices; a boundary vertex is averaged with its two neighbours
+/// along the boundary only. Reads the topology and triangles of the surface, not its positions. Thread-safe.
+class UmbrellaStep {
+ public:
+  UmbrellaStep(const Surface& surface, std::span<const std::uint8_t> movable, const RunControl& run = {})
+      : surface_(surface), order_(surface.topology, movable, ValenceOrder::With::Neighbours, run) {}
+
+  /// For the block of vertices that starts at `begin`, as parallel_for hands it out.
+  void operator()(float factor, std::span<const SimdVec3> from, std::span<SimdVec3> to,
+                  std::size_t begin) const;
+
+ private:
+  const Surface& surface_;
+  ValenceOrder order_;
+};
 
 }  // namespace burnish

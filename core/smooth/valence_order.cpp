@@ -1,0 +1,61 @@
+#include "core/smooth/valence_order.h"
+
+#include <algorithm>
+#include <array>
+
+namespace burnish {
+
+ValenceOrder::ValenceOrder(const Topology& topology, std::span<const std::uint8_t> movable, With with,
+                           const RunControl& run)
+    : order_(movable.size()) {
+  const auto group_of = [&](Index v) {
+    const std::size_t valence = topology.vertex_neighbours[v].size();
+    const bool regular = valence >= kLeast && valence <= kMost && !topology.has(v, kBoundaryVertex);
+    return regular ? valence : kOther;
+  };
+  std::size_t placed = 0, rows = 0;
+  for (std::size_t begin = 0; begin < movable.size(); begin += kBlockSize) {
+    first_group_.push_back(groups_.size());
+    const std::size_t end = std::min(movable.size(), begin + kBlockSize);
+    std::array<std::size_t, kMost + 1> next{};
+    for (std::size_t v = begin; v < end; ++v) {
+      if (movable[v] != 0) ++next[group_of(static_cast<Index>(v))];
+    }
+    for (std::size_t valence = 0; valence < next.size(); ++valence) {
+      const std::size_t count = next[valence];
+      next[valence] = placed;
+      if (count > 0) groups_.push_back({valence, placed, placed + count, rows});
+      placed += count;
+      rows += count * valence;
+    }
+    for (std::size_t v = begin; v < end; ++v) {
+      if (movable[v] != 0) order_[next[group_of(static_cast<Index>(v))]++] = static_cast<Index>(v);
+    }
+  }
+  first_group_.push_back(groups_.size());
+
+  const auto copy = [&](const IndexRows& from, std::vector<std::uint32_t>& to) {
+    to.resize(rows);
+    parallel_for(movable.size(), run, [&](std::size_t begin, std::size_t) {
+      const std::size_t block = begin / kBlockSize;
+      for (std::size_t g = first_group_[block]; g < first_group_[block + 1]; ++g) {
+        const Range& range = groups_[g];
+        std::uint32_t* row = to.data() + range.rows;
+        for (std::size_t i = range.from; i < range.to && range.valence != kOther; ++i, row += range.valence) {
+          std::ranges::transform(from[order_[i]], row, doubled);
+        }
+      }
+    });
+  };
+  copy(topology.vertex_neighbours, neighbours_);
+  if (with == With::NeighboursAndFaces) copy(topology.vertex_faces, faces_);
+}
+
+ValenceOrder::Group ValenceOrder::group(const Range& range) const {
+  const std::size_t size = (range.to - range.from) * range.valence;
+  const std::span<const std::uint32_t> neighbours = neighbours_, faces = faces_;
+  return {range.valence, std::span(order_).subspan(range.from, range.to - range.from),
+          neighbours.subspan(range.rows, size), faces.empty() ? faces : faces.subspan(range.rows, size)};
+}
+
+}  // namespace burnish

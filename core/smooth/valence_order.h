@@ -1,0 +1,90 @@
+// The order in which a pass visits vertices: within each block of the parallel loops, those with the same
+// number of neighbours together. A loop over neighbours then runs with a fixed count, and the processor,
+// which cannot guess when a loop over five, six or seven ends, no longer has to
+// (docs/decisions/0009-order-of-work.md).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/mesh/topology.h"
+#include "core/run/parallel.h"
+
+namespace burnish {
+
+class ValenceOrder {
+ public:
+  /// Smallest and largest valence with a group of its own.
+  static constexpr std::size_t kLeast = 3, kMost = 10;
+  /// "Valence" of the group that holds all others: on a boundary, or with fewer or more neighbours.
+  static constexpr std::size_t kOther = 0;
+
+  struct Group {
+    std::size_t valence;              ///< neighbours, and triangles, at each of its vertices; or kOther
+    std::span<const Index> vertices;  ///< ascending
+    /// Neighbours and triangles of one vertex after the other, `valence` each, as doubled(); empty for
+    /// kOther.
+    std::span<const std::uint32_t> neighbours, faces;
+  };
+
+  enum class With : std::uint8_t { Neighbours, NeighboursAndFaces };
+
+  /// Only movable vertices are in it.
+  ValenceOrder(const Topology& topology, std::span<const std::uint8_t> movable, With with = With::Neighbours,
+               const RunControl& run = {});
+
+  /// Calls visit(group) for the block of vertices that starts at `begin`, as parallel_for hands it out.
+  template <class Visit>
+  void for_each_group(std::size_t begin, Visit&& visit) const {
+    const std::size_t block = begin / kBlockSize;
+    for (std::size_t g = first_group_[block]; g < first_group_[block + 1]; ++g) visit(group(groups_[g]));
+  }
+
+ private:
+  struct Range {
+    std::size_t valence, from, to;  ///< vertices
+    std::size_t rows;               ///< where their neighbours and triangles begin
+  };
+  Group group(const Range& range) const;
+
+  std::vector<Index> order_;
+  std::vector<Range> groups_;
+  std::vector<std::size_t> first_group_;  ///< per block, and the end
+  std::vector<std::uint32_t> neighbours_, faces_;
+};
+
+/// A doubled index finds an element of 16 bytes without a shift: processors scale an address by 8 for
+/// nothing.
+inline std::uint32_t doubled(Index index) { return 2 * index; }
+template <class Item>
+const Item& at_doubled(const Item* items, std::uint32_t index) {
+  static_assert(sizeof(Item) == 16);
+  return *reinterpret_cast<const Item*>(reinterpret_cast<const char*>(items) + std::size_t{8} * index);
+}
+
+/// Calls body.template operator()<valence>() with the group's valence as a constant.
+template <class Body>
+void with_constant_valence(std::size_t valence, Body&& body) {
+  switch (valence) {
+    case 3:
+      return body.template operator()<3>();
+    case 4:
+      return body.template operator()<4>();
+    case 5:
+      return body.template operator()<5>();
+    case 6:
+      return body.template operator()<6>();
+    case 7:
+      return body.template operator()<7>();
+    case 8:
+      return body.template operator()<8>();
+    case 9:
+      return body.template operator()<9>();
+    case 10:
+      return body.template operator()<10>();
+    default:
+      return;
+  }
+}
+
+}  // namespace burnish

@@ -1,0 +1,25 @@
+// Public libraries that smooth, behind one signature: 20 steps from `positions`, seconds of this thread's
+// time. Each is in a file of its own, because their headers take long to compile.
+#pragma once
+
+#include <ctime>
+#include <span>
+
+#include "core/mesh/mesh.h"
+
+namespace burnish::bench {
+
+inline double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+inline constexpr int kCompareIterations = 20;
+
+/// The libigl way: a row-normalised Eigen::SparseMatrix<double, RowMajor> times an n x 3 matrix of double.
+double eigen_product_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+/// OpenMesh::Smoother::JacobiLaplaceSmootherT, tangential and normal, C0.
+double openmesh_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+
+}  // namespace burnish::bench
