@@ -17,6 +17,7 @@ class ObjDocument final : public Document {
 
   std::string vertex_place(Index vertex) const override;
   std::string triangle_place(Index triangle) const override;
+  Result<std::vector<Index>> group_vertices(std::string_view name, const RunControl& run) const override;
   Result<Encoded> encode_same(const MovedPositions& moved, const OutputOptions& options,
                               const RunControl& run) const override;
   Result<SharedAttributes> shared_attributes(const MovedPositions& moved,

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 
 #include "core/io/obj_document.h"
 #include "core/io/text_number.h"
@@ -9,10 +10,13 @@ namespace {
 
 constexpr int kUnitDecimals = 6;  // of normals and colours
 
-/// Copies a text, replacing stretches of it in ascending order.
+/// Copies a stretch of a text, replacing stretches of it in ascending order.
 class Patcher {
  public:
-  explicit Patcher(std::string_view text) : text_(text) { out_.reserve(text.size() + text.size() / 8 + 64); }
+  Patcher(std::string_view text, std::uint64_t begin, std::uint64_t end)
+      : text_(text), copied_(begin), end_(end) {
+    out_.reserve((end - begin) + (end - begin) / 8 + 64);
+  }
 
   /// Where the replacement for `range` is to be appended.
   std::string& replace(const TextRange& range) {
@@ -22,24 +26,45 @@ class Patcher {
   }
 
   std::string finish() && {
-    out_.append(text_, copied_);
+    out_.append(text_, copied_, end_ - copied_);
     return std::move(out_);
   }
 
  private:
   std::string_view text_;
   std::string out_;
-  std::uint64_t copied_ = 0;
+  std::uint64_t copied_, end_;
 };
 
-/// Visits vertices and normals in the order of the file. False when stopped.
+/// A place between lines of vertices and normals: the next of each.
+struct Place {
+  std::uint64_t offset = 0;
+  std::size_t vertex = 0, normal = 0;
+};
+
+/// The first vertex or normal at or behind `offset`, or the one that `offset` is in.
+std::size_t next_range(std::span<const TextRange> ranges, std::uint64_t offset) {
+  const auto next = std::ranges::lower_bound(ranges, offset, {}, &TextRange::begin);
+  const auto index = static_cast<std::size_t>(next - ranges.begin());
+  const bool inside = index > 0 && ranges[index - 1].begin + ranges[index - 1].length > offset;
+  return inside ? index - 1 : index;
+}
+
+Place place_at(std::uint64_t offset, std::span<const TextRange> vertices,
+               std::span<const TextRange> normals) {
+  Place place{offset, next_range(vertices, offset), next_range(normals, offset)};
+  if (place.vertex < vertices.size()) place.offset = std::min(place.offset, vertices[place.vertex].begin);
+  if (place.normal < normals.size()) place.offset = std::min(place.offset, normals[place.normal].begin);
+  return place;
+}
+
+/// Visits vertices and normals between two places in the order of the file. False when stopped.
 template <class Vertex, class Normal>
-bool in_file_order(std::span<const TextRange> vertices, std::span<const TextRange> normals,
-                   const RunControl& run, Vertex&& vertex, Normal&& normal) {
-  for (std::size_t v = 0, n = 0; v < vertices.size() || n < normals.size();) {
+bool in_file_order(std::span<const TextRange> vertices, std::span<const TextRange> normals, const Place& from,
+                   const Place& to, const RunControl& run, Vertex&& vertex, Normal&& normal) {
+  for (std::size_t v = from.vertex, n = from.normal; v < to.vertex || n < to.normal;) {
     if ((v + n) % kBlockSize == 0 && run.stopped()) return false;
-    const bool take_vertex =
-        n == normals.size() || (v < vertices.size() && vertices[v].begin < normals[n].begin);
+    const bool take_vertex = n == to.normal || (v < to.vertex && vertices[v].begin < normals[n].begin);
     if (take_vertex) {
       vertex(v++);
     } else {
@@ -83,9 +108,21 @@ void append_corner(std::string& out, Index vertex, Index texture, Index normal) 
   append_integer(out, normal + 1);
 }
 
+std::string joined(std::vector<std::string> parts) {
+  std::string all = std::move(parts.front());
+  std::size_t size = 0;
+  for (const std::string& part : parts) size += part.size();
+  all.reserve(all.size() + size);
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    all += parts[i];
+    parts[i] = {};
+  }
+  return all;
+}
+
 }  // namespace
 
-Result<Encoded> ObjDocument::encode_same(const MovedPositions& moved, const OutputOptions&,
+Result<Encoded> ObjDocument::encode_same(const MovedPositions& moved, const OutputOptions& options,
                                          const RunControl& run) const {
   CornerNormals normals;
   if (!corner_normals_.empty()) {
@@ -94,24 +131,42 @@ Result<Encoded> ObjDocument::encode_same(const MovedPositions& moved, const Outp
     normals = std::move(*fresh);
   }
   const DecimalWriter coordinates(moved.frame), units(kUnitDecimals);
-  Encoded encoded;
-  Patcher patcher(text_);
-  const bool done = in_file_order(
-      vertex_text_, normals.normals.empty() ? std::span<const TextRange>{} : normal_text_, run,
-      [&](std::size_t v) {
-        const Index vertex = static_cast<Index>(v);
-        if (!moved.moved(vertex)) return;
-        coordinates.append(patcher.replace(vertex_text_[v]), moved.at(vertex));
-        encoded.quantisation_error = coordinates.largest_error();
-      },
-      [&](std::size_t n) {
-        const Vec3f& normal = normals.normals[n];
-        // A bare "vn" has no place for numbers: they would become a part of the keyword.
-        if (normals.touched[n] && normal_text_[n].length > 0 && !(normal == Vec3f{}))
-          units.append(patcher.replace(normal_text_[n]), to_double(normal));
-      });
+  const std::span<const TextRange> normal_text =
+      normals.normals.empty() ? std::span<const TextRange>{} : normal_text_;
+  // Parts between places spread over the text, each written for itself.
+  const std::size_t parts =
+      thread_count(run) == 1 ? 1 : static_cast<std::size_t>(text_.size() / options.part_bytes) + 1;
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < parts; ++i)
+    places.push_back(place_at(text_.size() / parts * i, vertex_text_, normal_text));
+  places.push_back({text_.size(), vertex_text_.size(), normal_text.size()});
+  std::vector<std::string> written(parts);
+  std::atomic<bool> any_moved = false;
+  const bool done = parallel_tasks(parts, run, [&](std::size_t part) {
+    const Place &from = places[part], &to = places[part + 1];
+    Patcher patcher(text_, from.offset, to.offset);
+    bool moved_here = false;
+    in_file_order(
+        vertex_text_, normal_text, from, to, run,
+        [&](std::size_t v) {
+          const Index vertex = static_cast<Index>(v);
+          if (!moved.moved(vertex)) return;
+          coordinates.append(patcher.replace(vertex_text_[v]), moved.at(vertex));
+          moved_here = true;
+        },
+        [&](std::size_t n) {
+          const Vec3f& normal = normals.normals[n];
+          // A bare "vn" has no place for numbers: they would become a part of the keyword.
+          if (normals.touched[n] && normal_text_[n].length > 0 && !(normal == Vec3f{}))
+            units.append(patcher.replace(normal_text_[n]), to_double(normal));
+        });
+    written[part] = std::move(patcher).finish();
+    if (moved_here) any_moved = true;
+  });
   if (!done) return run.stop_error();
-  encoded.bytes = std::move(patcher).finish();
+  Encoded encoded;
+  if (any_moved) encoded.quantisation_error = coordinates.largest_error();
+  encoded.bytes = joined(std::move(written));
   return encoded;
 }
 

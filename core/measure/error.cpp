@@ -1,7 +1,9 @@
 #include "core/measure/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/measure/nearest.h"
 #include "core/run/math.h"
@@ -56,21 +58,46 @@ double diagonal(std::span<const Vec3f> positions) {
 double ratio(double value, double by) { return by > 0 ? value / by : 0; }
 
 bool measure_distances(const Surface& surface, std::span<const Vec3f> positions,
-                       const NearestTriangle& nearest, const Surface& reference,
-                       std::span<const Index> partner, const RunControl& run, std::vector<double>& squared) {
+                       const NearestTriangle& nearest, const RunControl& run, std::vector<double>& squared) {
   squared.assign(positions.size(), 0);
   return parallel_for(positions.size(), run, [&](std::size_t begin, std::size_t end) {
     Index near = 0;
     for (std::size_t v = begin; v < end; ++v) {
       if (v % 4 == 0 && run.stopped()) return;  // triangles that overlap make a query slow
       if (surface.topology.vertex_faces[v].empty()) continue;
-      if (!partner.empty()) {
-        const auto faces = reference.topology.vertex_faces[partner[v]];
-        if (!faces.empty()) near = faces.front();
-      }
       const auto hit = nearest.find(positions[v], near);
       squared[v] = hit.squared_distance;
       near = hit.triangle;
+    }
+  });
+}
+
+/// The same when the reference's vertex `partner[v]` is known: it is rarely far, and unless it is in no
+/// triangle its distance bounds the search.
+bool measure_near_distances(const Surface& surface, std::span<const Vec3f> positions,
+                            const NearestTriangle& nearest, const Surface& reference,
+                            std::span<const Vec3f> others, std::span<const Index> partner,
+                            const RunControl& run, std::vector<double>& squared) {
+  squared.assign(positions.size(), 0);
+  const double wide = 4 * surface.mean_edge;
+  return parallel_for(positions.size(), run, [&](std::size_t begin, std::size_t end) {
+    std::array<Vec3f, NearestTriangle::kGroup> points;
+    std::array<double, NearestTriangle::kGroup> bounds;
+    std::array<std::size_t, NearestTriangle::kGroup> vertices;
+    for (std::size_t v = begin; v < end;) {
+      if (run.stopped()) return;
+      std::size_t count = 0;
+      for (; v < end && count < points.size(); ++v) {
+        if (surface.topology.vertex_faces[v].empty()) continue;
+        if (count > 0 && length(to_double(positions[v] - points[0])) > wide) break;
+        const Vec3d way = to_double(positions[v]) - to_double(others[partner[v]]);
+        const bool bounded = !reference.topology.vertex_faces[partner[v]].empty();
+        points[count] = positions[v];
+        bounds[count] = bounded ? dot(way, way) : std::numeric_limits<double>::infinity();
+        vertices[count++] = v;
+      }
+      nearest.find_all(std::span(points).first(count), std::span(bounds).first(count));
+      for (std::size_t i = 0; i < count; ++i) squared[vertices[i]] = bounds[i];
     }
   });
 }
@@ -147,14 +174,16 @@ Result<ErrorMeasures> measure_errors(const Surface& surface, std::span<const Vec
     auto nearest = NearestTriangle::build(local, reference.mesh.triangles, run);
     if (!nearest) return nearest.error();
     std::vector<double> squared;
-    if (!measure_distances(surface, positions, *nearest, reference, partner, run, squared) ||
-        !summarise_distances(surface, positions, squared, run, measures)) {
+    const bool measured = corresponding ? measure_near_distances(surface, positions, *nearest, reference,
+                                                                 local, partner, run, squared)
+                                        : measure_distances(surface, positions, *nearest, run, squared);
+    if (!measured || !summarise_distances(surface, positions, squared, run, measures)) {
       return run.stop_error();
     }
   }
   if (corresponding && !compare_normals(surface, positions, local, partner, run, measures))
     return run.stop_error();
-  const double edge = mean_edge_length(local, reference.topology, run);
+  const double edge = reference.mean_edge * reference.mesh.frame.scale() / surface.mesh.frame.scale();
   measures.ev_over_edge = ratio(measures.ev, edge);
   measures.ev_over_diagonal = ratio(measures.ev, diagonal(local));
   for (double* in_local_units :

@@ -21,9 +21,9 @@ struct ErrorMeasures {
   std::optional<std::uint32_t> flipped_triangles;  ///< normals that turned by more than 90 degrees
 };
 
-/// Measures `positions` (of `surface`'s topology, in its frame) against `reference`. Same-connectivity
-/// measures are given when `corresponding` is set: both come from files with the same triangles. Errors:
-/// Cancelled, DeadlineExceeded, OutOfMemory.
+/// Measures `positions` (of `surface`'s topology, in its frame) against `reference`, whose positions when it
+/// was prepared are `reference_positions`. Same-connectivity measures are given when `corresponding` is set:
+/// both come from files with the same triangles. Errors: Cancelled, DeadlineExceeded, OutOfMemory.
 Result<ErrorMeasures> measure_errors(const Surface& surface, std::span<const Vec3f> positions,
                                      const Surface& reference, std::span<const Vec3f> reference_positions,
                                      bool corresponding, const RunControl& run);

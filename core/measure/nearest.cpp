@@ -3,148 +3,114 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <limits>
+#include <numeric>
 
+#include "core/measure/squared_distance.h"
+#include "core/mesh/curve.h"
 #include "core/run/parallel.h"
 
 namespace burnish {
-namespace {
-
-double squared_length(const Vec3d& v) { return dot(v, v); }
-
-/// To the segment from a to a + along, from the ways that lead from its ends to the point. At an end it is
-/// that way's length, so that all triangles around a vertex agree on it.
-double squared_to_segment(const Vec3d& from_a, const Vec3d& from_b, const Vec3d& along) {
-  const double way = dot(from_a, along), size = squared_length(along);
-  if (way <= 0) return squared_length(from_a);
-  if (way >= size) return squared_length(from_b);
-  return squared_length(from_a - along * (way / size));
-}
-
-}  // namespace
-
 double squared_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const Vec3d ab = b - a, bc = c - b, ca = a - c;
-  const Vec3d from_a = p - a, from_b = p - b, from_c = p - c;
-  const Vec3d normal = cross(ab, bc);
-  const double size = squared_length(normal);
-  const double outermost = std::min(
-      {dot(cross(ab, from_a), normal), dot(cross(bc, from_b), normal), dot(cross(ca, from_c), normal)});
-  if (size > 0 && outermost >= 0) {
-    const double height = dot(from_a, normal);
-    return height * height / size;
-  }
-  return std::min({squared_to_segment(from_a, from_b, ab), squared_to_segment(from_b, from_c, bc),
-                   squared_to_segment(from_c, from_a, ca)});
+  const detail::Wedge<double> wedge(p, a, b, c);
+  return wedge.is_flat() ? wedge.squared_to_flat() : wedge.squared_to_face();
 }
 
 struct NearestTriangle::Box {
   static constexpr float kFar = std::numeric_limits<float>::max();
   Vec3f low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
-
-  void add(const Vec3f& from, const Vec3f& to) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], from[axis]);
-      high[axis] = std::max(high[axis], to[axis]);
-    }
-  }
 };
 
-struct NearestTriangle::Item {
-  Vec3f corner_sum;
-  Index triangle;
+namespace {
 
-  /// Puts those with the lowest coordinates before `rank`, as std::nth_element does, but by halving the range
-  /// of values: no branch depends on an item, which makes it more than twice as fast. What is closer together
-  /// than 2^-16 of the range may stay mixed.
-  static void select(std::span<Item> items, std::size_t rank, std::size_t axis, float low, float high,
-                     const RunControl& run) {
-    std::size_t from = 0, to = items.size();
-    for (int pass = 0; pass < 16; ++pass) {
-      if (to - from > kBlockSize && run.stopped()) return;
-      const float pivot = low + (high - low) * 0.5F;
-      std::size_t middle = from;
-      for (std::size_t i = from; i < to; ++i) {
-        const Item item = items[i];
-        items[i] = items[middle];
-        items[middle] = item;
-        middle += item.corner_sum[axis] <= pivot;
-      }
-      if (middle == rank) return;
-      (middle < rank ? from : to) = middle;
-      (middle < rank ? low : high) = pivot;
+/// Triangles by the place of their middle corner in an order of the vertices, by counting. Not by their
+/// first: a fan's triangles may all have the same.
+std::vector<Index> triangles_along(std::span<const Index> vertex_order, std::span<const Triangle> triangles,
+                                   const RunControl& run) {
+  std::vector<Index> place(vertex_order.size()), middle(triangles.size());
+  for (std::size_t i = 0; i < place.size(); ++i) place[vertex_order[i]] = static_cast<Index>(i);
+  parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const Index a = place[triangles[t][0]], b = place[triangles[t][1]], c = place[triangles[t][2]];
+      middle[t] = std::max(std::min(a, b), std::min(std::max(a, b), c));
     }
-  }
+  });
+  std::vector<Index> next(place.size() + 1), order(triangles.size());
+  for (const Index m : middle) ++next[m + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (std::size_t t = 0; t < middle.size(); ++t) order[next[middle[t]]++] = static_cast<Index>(t);
+  return order;
+}
 
-  /// Orders items into runs of `unit` that lie together.
-  static void split(std::span<Item> items, std::size_t unit, const RunControl& run) {
-    if (items.size() <= unit) return;
-    Box box;
-    for (const Item& item : items) box.add(item.corner_sum, item.corner_sum);
-    const Vec3f extent = box.high - box.low;
-    const std::size_t longer = extent.x >= extent.y ? 0 : 1, axis = extent[longer] >= extent.z ? longer : 2;
-    const std::size_t runs = (items.size() + unit - 1) / unit, rank = runs / 2 * unit;
-    select(items, rank, axis, box.low[axis], box.high[axis], run);
-    split(items.first(rank), unit, run);
-    split(items.subspan(rank), unit, run);
-  }
-};
+}  // namespace
 
 Result<NearestTriangle> NearestTriangle::build(std::span<const Vec3f> positions,
                                                std::span<const Triangle> triangles, const RunControl& run) {
   NearestTriangle tree;
-  tree.positions_ = positions;
+  tree.positions_.reserve(positions.size());
+  for (const Vec3f& p : positions) tree.positions_.emplace_back(p);
   tree.triangles_ = triangles;
-  std::vector<Item> items(triangles.size());
-  parallel_for(items.size(), run, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const auto& [a, b, c] = triangles[t];
-      items[t] = {positions[a] + positions[b] + positions[c], static_cast<Index>(t)};
-    }
-  });
-  std::size_t lowest_node = 0;  // first of the level whose children are triangles
-  std::size_t unit = 1;         // triangles per child of the root
-  for (; unit * kWidth < items.size(); unit *= kWidth) lowest_node = lowest_node * kWidth + 1;
-  tree.first_triangle_ = lowest_node * kWidth + 1;
-  tree.nodes_.resize(lowest_node + items.size() / kWidth + 1);
-  tree.grow(0, items, unit, run);
-  tree.order_.resize(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) tree.order_[i] = items[i].triangle;
-  if (run.stopped()) return run.stop_error();
+  tree.order_ = triangles_along(curve_order(positions, run), triangles, run);
+  if (run.stopped() || !tree.fill(run)) return run.stop_error();
   return tree;
 }
 
-/// Fills a node and all below it; each child holds `unit` triangles, the last ones fewer or none.
-NearestTriangle::Box NearestTriangle::grow(std::size_t node, std::span<Item> items, std::size_t unit,
-                                           const RunControl& run) {
-  Box all;
-  if (items.size() > kBlockSize && run.stopped()) return all;
-  if (unit > 1) Item::split(items, unit, run);
-  for (std::size_t k = 0; k < kWidth; ++k) {
-    Box box;
-    if (k * unit < items.size()) {
-      const auto part = items.subspan(k * unit, std::min(unit, items.size() - k * unit));
-      box = unit > 1 ? grow(node * kWidth + 1 + k, part, unit / kWidth, run) : box_of(part.front().triangle);
+/// Boxes from the triangles up.
+bool NearestTriangle::fill(const RunControl& run) {
+  while (order_.size() % kWidth != 0) order_.push_back(order_.back());
+  std::size_t level = 0;  // first node of the level whose children are triangles
+  for (std::size_t unit = 1; unit * kWidth < order_.size(); unit *= kWidth) level = level * kWidth + 1;
+  first_triangle_ = level * kWidth + 1;
+  nodes_.resize(level + order_.size() / kWidth);
+  const bool done = parallel_for(nodes_.size() - level, run, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = level + begin; node < level + end; ++node) {
+      for (std::size_t k = 0; k < kWidth; ++k) {
+        const std::size_t at = (node - level) * kWidth + k;
+        set_box(node, k, box_of(order_[at]));
+      }
     }
-    all.add(box.low, box.high);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      nodes_[node].low[axis][k / kLanes][k % kLanes] = box.low[axis];
-      nodes_[node].high[axis][k / kLanes][k % kLanes] = box.high[axis];
+  });
+  if (!done) return false;
+  for (std::size_t node = level; node-- > 0;) {
+    for (std::size_t k = 0; k < kWidth; ++k) {
+      const std::size_t child = node * kWidth + 1 + k;
+      set_box(node, k, child < nodes_.size() ? box_of_children(child) : Box());
     }
   }
-  return all;
+  return true;
+}
+
+void NearestTriangle::set_box(std::size_t node, std::size_t k, const Box& box) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    nodes_[node].low[axis][k] = box.low[axis];
+    nodes_[node].high[axis][k] = box.high[axis];
+  }
+}
+
+NearestTriangle::Box NearestTriangle::box_of_children(std::size_t node) const {
+  Box box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] = std::ranges::min(nodes_[node].low[axis]);
+    box.high[axis] = std::ranges::max(nodes_[node].high[axis]);
+  }
+  return box;
 }
 
 NearestTriangle::Box NearestTriangle::box_of(Index triangle) const {
+  const Triangle& t = triangles_[triangle];
+  const auto a = positions_[t[0]].lanes(), b = positions_[t[1]].lanes(), c = positions_[t[2]].lanes();
+  const auto low = a < b ? a : b, high = a > b ? a : b;
   Box box;
-  for (const Index v : triangles_[triangle]) box.add(positions_[v], positions_[v]);
+  box.low = SimdVec3(low < c ? low : c).vec3();
+  box.high = SimdVec3(high > c ? high : c).vec3();
   return box;
 }
 
 double NearestTriangle::to_triangle(const Vec3d& point, Index triangle) const {
   const Triangle& t = triangles_[triangle];
-  return squared_distance(point, to_double(positions_[t[0]]), to_double(positions_[t[1]]),
-                          to_double(positions_[t[2]]));
+  return squared_distance(point, to_double(positions_[t[0]].vec3()), to_double(positions_[t[1]].vec3()),
+                          to_double(positions_[t[2]].vec3()));
 }
 
 double NearestTriangle::to_box(const Vec3d& point, std::size_t child) const {
@@ -152,7 +118,7 @@ double NearestTriangle::to_box(const Vec3d& point, std::size_t child) const {
   const std::size_t k = (child - 1) % kWidth;
   double sum = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double low = node.low[axis][k / kLanes][k % kLanes], high = node.high[axis][k / kLanes][k % kLanes];
+    const double low = node.low[axis][k], high = node.high[axis][k];
     const double outside = std::max({low - point[axis], point[axis] - high, 0.0});
     sum += outside * outside;
   }
@@ -162,18 +128,23 @@ double NearestTriangle::to_box(const Vec3d& point, std::size_t child) const {
 /// The children of a node with the squared distances of their boxes.
 std::array<NearestTriangle::Entry, NearestTriangle::kWidth> NearestTriangle::entries(
     const Vec3f& p, std::size_t index) const {
+  using Lanes = SimdVec3::Lanes;
+  constexpr std::size_t kLanes = 4;
   const Node& node = nodes_[index];
   std::array<Entry, kWidth> children;
-  for (std::size_t half = 0; half < kWidth / kLanes; ++half) {
+  for (std::size_t half = 0; half < kWidth; half += kLanes) {
     Lanes sum{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Lanes below = node.low[axis][half] - p[axis], above = p[axis] - node.high[axis][half];
+      Lanes low, high;
+      std::memcpy(&low, node.low[axis] + half, sizeof low);
+      std::memcpy(&high, node.high[axis] + half, sizeof high);
+      const Lanes below = low - p[axis], above = p[axis] - high;
       Lanes outside = below > above ? below : above;
       outside = outside > 0.0F ? outside : Lanes{};
       sum += outside * outside;
     }
     for (std::size_t k = 0; k < kLanes; ++k) {
-      children[half * kLanes + k] = entry(sum[k], index * kWidth + 1 + half * kLanes + k);
+      children[half + k] = entry(sum[k], index * kWidth + 1 + half + k);
     }
   }
   return children;
@@ -216,6 +187,18 @@ NearestTriangle::Hit NearestTriangle::find(const Vec3f& p, Index start) const {
       next = stack[--depth];
     }
   }
+}
+
+void NearestTriangle::find_all(std::span<const Vec3f> points, std::span<double> squared) const {
+  const nearest_group::Tree tree{nodes_, first_triangle_, order_, triangles_, positions_};
+  if (points.empty() || nearest_group::find()(tree, points, squared)) return;
+  if (points.size() == 1) {
+    squared[0] = find(points[0], order_[0]).squared_distance;
+    return;
+  }
+  const std::size_t half = points.size() / 2;
+  find_all(points.first(half), squared.first(half));
+  find_all(points.subspan(half), squared.subspan(half));
 }
 
 }  // namespace burnish

@@ -6,14 +6,15 @@
 #include <span>
 #include <vector>
 
+#include "core/measure/nearest_group.h"
 #include "core/mesh/mesh.h"
 #include "core/run/run_control.h"
 
 namespace burnish {
 
-/// A hierarchy of boxes, eight to a node, that halves the triangles along their longest extent. Build is
-/// O(n log n) on one thread, a query looks at about one node per level. Immutable after build, so many
-/// threads may ask. The spans must outlive it; coordinates are at most kFarthest in magnitude.
+/// A hierarchy of boxes, eight to a node, over the triangles in the order of a space-filling curve. Build is
+/// O(n), a query looks at one or two nodes per level. Immutable after build, so many threads may ask.
+/// `triangles` must outlive it; coordinates are at most kFarthest in magnitude.
 /// docs/decisions/0006-nearest-triangle.md compares it with Embree's point query.
 class NearestTriangle {
  public:
@@ -32,14 +33,17 @@ class NearestTriangle {
   /// There must be a triangle.
   Hit find(const Vec3f& point, Index start) const;
 
+  /// Points that find_all() takes at once.
+  static constexpr std::size_t kGroup = 16;
+  /// The same for kGroup points or fewer that lie together: one walk through the hierarchy finds the
+  /// triangles near any of them. `squared` holds, for each point, a squared distance within which a triangle
+  /// is known to be, and becomes the squared distance of the nearest.
+  void find_all(std::span<const Vec3f> points, std::span<double> squared) const;
+
  private:
   struct Box;
-  struct Item;
-  using Lanes = float __attribute__((vector_size(16)));  // what every x86-64 and ARM64 computes at once
-  static constexpr std::size_t kLanes = 4, kWidth = 8;
-  struct Node {  // the boxes of its children, by axis
-    Lanes low[3][kWidth / kLanes], high[3][kWidth / kLanes];
-  };
+  using Node = nearest_group::Node;
+  static constexpr std::size_t kWidth = Node::kWidth;
 
   /// A child and the squared distance of its box in one number that sorts by distance: the bits of a float
   /// that is not negative do.
@@ -49,13 +53,15 @@ class NearestTriangle {
   }
   static std::size_t child_of(Entry e) { return e & 0xffff'ffffU; }
 
-  Box grow(std::size_t node, std::span<Item> items, std::size_t unit, const RunControl& run);
+  bool fill(const RunControl& run);
   Box box_of(Index triangle) const;
+  Box box_of_children(std::size_t node) const;
+  void set_box(std::size_t node, std::size_t child, const Box& box);
   std::array<Entry, kWidth> entries(const Vec3f& point, std::size_t node) const;
   double to_box(const Vec3d& point, std::size_t child) const;
   double to_triangle(const Vec3d& point, Index triangle) const;
 
-  std::span<const Vec3f> positions_;
+  std::vector<SimdVec3> positions_;
   std::span<const Triangle> triangles_;
   std::vector<Node> nodes_;         // a heap: the children of i are 8i + 1 to 8i + 8
   std::size_t first_triangle_ = 1;  // children from this number on are triangles, in this order:

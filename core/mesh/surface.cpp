@@ -4,7 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
+#include "core/mesh/order.h"
 #include "core/run/parallel.h"
 
 namespace burnish {
@@ -35,31 +37,32 @@ Frame frame_around(std::span<const Vec3d> positions) {
   return frame;
 }
 
-std::uint64_t mix(std::uint64_t x) {  // splitmix64: spreads every bit, so grids do not collide
-  x += 0x9e3779b97f4a7c15U;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31);
+std::uint64_t mix(std::uint64_t x) {  // spreads every bit, so grids do not collide
+  x = (x ^ (x >> 32)) * 0x9e3779b97f4a7c15U;
+  x = (x ^ (x >> 29)) * 0xbf58476d1ce4e5b9U;
+  return x ^ (x >> 32);
 }
 
 std::uint64_t hash_position(const Vec3d& p) {
   // Adding zero turns -0 into +0, which compares equal and must hash equal.
-  std::uint64_t h = mix(std::bit_cast<std::uint64_t>(p.x + 0.0));
-  h = mix(h ^ std::bit_cast<std::uint64_t>(p.y + 0.0));
-  return mix(h ^ std::bit_cast<std::uint64_t>(p.z + 0.0));
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value + 0.0); };
+  return mix(bits(p.x) + std::rotl(bits(p.y) * 0x9fb21c651e98df25U, 21) +
+             std::rotl(bits(p.z) * 0xd6e8feb86659fd93U, 43));
 }
 
 /// First item equal to each item: an open-addressing table, because std::unordered_map takes ten times as
 /// long.
-template <class Hash, class Equal>
+template <class Equal>
 class FirstEqual {
  public:
-  FirstEqual(std::size_t items, Hash hash, Equal equal)
-      : slots_(std::bit_ceil(items * 2 + 2), kNone), hash_(hash), equal_(equal) {}
+  FirstEqual(std::size_t items, Equal equal) : slots_(std::bit_ceil(items * 2 + 2), kNone), equal_(equal) {}
 
-  Index find_or_add(Index item) {
+  /// Tells the cache which slot will be asked for soon: large tables wait for memory otherwise.
+  void expect(std::uint64_t hash) const { __builtin_prefetch(&slots_[hash & (slots_.size() - 1)], 1); }
+
+  Index find_or_add(Index item, std::uint64_t hash) {
     const std::size_t mask = slots_.size() - 1;
-    for (std::size_t slot = hash_(item) & mask;; slot = (slot + 1) & mask) {
+    for (std::size_t slot = hash & mask;; slot = (slot + 1) & mask) {
       if (slots_[slot] == kNone) return slots_[slot] = item;
       if (equal_(slots_[slot], item)) return slots_[slot];
     }
@@ -67,27 +70,53 @@ class FirstEqual {
 
  private:
   std::vector<Index> slots_;
-  Hash hash_;
   Equal equal_;
 };
+
+/// first[i] = the first item that equals item i. The tasks share the items out by their hashes, so each item
+/// meets its equals in one table, in the order of one thread.
+template <class Hash, class Equal>
+bool find_first_equals(std::size_t items, const RunControl& run, std::vector<Index>& first, Hash hash,
+                       Equal equal) {
+  constexpr std::size_t kMostTasks = 8, kWorthATask = 32 * kBlockSize;
+  const std::size_t tasks =
+      std::clamp<std::size_t>(items / kWorthATask, 1, std::min(kMostTasks, thread_count(run)));
+  first.resize(items);
+  return parallel_tasks(tasks, run, [&](std::size_t task) {
+    FirstEqual table(items / tasks, equal);
+    constexpr std::size_t kAhead = 64;
+    std::uint64_t hashes[kAhead];
+    Index numbers[kAhead];
+    for (std::size_t begin = 0; begin < items; begin += kAhead) {
+      if (begin % kBlockSize == 0 && run.stopped()) return;
+      std::size_t count = 0;
+      for (std::size_t i = begin; i < std::min(items, begin + kAhead); ++i) {
+        numbers[count] = static_cast<Index>(i);
+        hashes[count] = hash(i);
+        const bool own = tasks == 1 || (hashes[count] >> 32) * tasks >> 32 == task;
+        if (own) table.expect(hashes[count]);
+        count += own;
+      }
+      for (std::size_t k = 0; k < count; ++k) first[numbers[k]] = table.find_or_add(numbers[k], hashes[k]);
+    }
+  });
+}
 
 /// Fills weld and the welded vertices' file indices.
 bool weld_positions(std::span<const Vec3d> positions, const RunControl& run, Surface& surface,
                     std::vector<Index>& kept) {
-  FirstEqual first(
-      positions.size(), [&](Index v) { return hash_position(positions[v]); },
+  std::vector<Index>& weld = surface.weld;  // the first equal vertex, then where that went
+  const bool found = find_first_equals(
+      positions.size(), run, weld, [&](std::size_t v) { return hash_position(positions[v]); },
       [&](Index a, Index b) { return positions[a] == positions[b]; });
-  surface.weld.resize(positions.size());
+  if (!found) return false;
   kept.reserve(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (i % kBlockSize == 0 && run.stopped()) return false;
-    const Index v = static_cast<Index>(i);
-    const Index same = first.find_or_add(v);
-    if (same == v) {
-      surface.weld[v] = static_cast<Index>(kept.size());
-      kept.push_back(v);
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (weld[v] == v) {
+      weld[v] = static_cast<Index>(kept.size());
+      kept.push_back(static_cast<Index>(v));
     } else {
-      surface.weld[v] = surface.weld[same];
+      weld[v] = weld[weld[v]];
       ++surface.welded_vertices;
     }
   }
@@ -101,35 +130,79 @@ Triangle sorted(Triangle t) {
   return t;
 }
 
+/// Takes over the triangles that have three corners after welding.
 bool keep_triangles(std::span<const Triangle> triangles, const RunControl& run, Surface& surface) {
   std::vector<Triangle>& kept = surface.mesh.triangles;
-  kept.reserve(triangles.size());
-  surface.source_triangle.reserve(triangles.size());
-  FirstEqual first(
-      triangles.size(),
-      [&](Index t) {
+  std::vector<Index>& source = surface.source_triangle;
+  kept.resize(triangles.size());
+  source.resize(triangles.size());
+  std::vector<std::uint32_t> degenerate(triangles.size() / kBlockSize + 1, 0);
+  const bool done = parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& [a, b, c] = triangles[i];
+      const Triangle t{surface.weld[a], surface.weld[b], surface.weld[c]};
+      kept[i] = t;
+      source[i] = static_cast<Index>(i);
+      count += (t[0] == t[1]) | (t[1] == t[2]) | (t[2] == t[0]);
+    }
+    degenerate[begin / kBlockSize] = count;
+  });
+  if (!done) return false;
+  surface.degenerate_triangles = std::accumulate(degenerate.begin(), degenerate.end(), std::uint32_t{0});
+  if (surface.degenerate_triangles == 0) return true;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Triangle t = kept[i];
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+      kept[count] = t;
+      source[count++] = static_cast<Index>(i);
+    } else if (surface.first_degenerate == kNone) {
+      surface.first_degenerate = static_cast<Index>(i);
+    }
+  }
+  kept.resize(count);
+  source.resize(count);
+  return true;
+}
+
+/// Leaves out triangles whose corners an earlier one has.
+bool drop_repeated_triangles(const RunControl& run, Surface& surface) {
+  std::vector<Triangle>& kept = surface.mesh.triangles;
+  std::vector<Index>&source = surface.source_triangle, first;
+  const bool found = find_first_equals(
+      kept.size(), run, first,
+      [&](std::size_t t) {
         const Triangle s = sorted(kept[t]);
-        return mix(mix((std::uint64_t{s[0]} << 32) | s[1]) ^ s[2]);
+        return mix(mix(std::uint64_t{s[0]} << 32 | s[1]) + s[2]);
       },
       [&](Index a, Index b) { return sorted(kept[a]) == sorted(kept[b]); });
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (i % kBlockSize == 0 && run.stopped()) return false;
-    const Triangle t{surface.weld[triangles[i][0]], surface.weld[triangles[i][1]],
-                     surface.weld[triangles[i][2]]};
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
-      if (surface.degenerate_triangles++ == 0) surface.first_degenerate = static_cast<Index>(i);
-      continue;
+  if (!found) return false;
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < kept.size(); ++t) {
+    if (first[t] == t) {
+      kept[count] = kept[t];
+      source[count++] = source[t];
+    } else {
+      ++surface.duplicate_triangles;
+      surface.first_duplicate = std::min(surface.first_duplicate, source[t]);
     }
-    const Index candidate = static_cast<Index>(kept.size());
-    kept.push_back(t);
-    if (first.find_or_add(candidate) != candidate) {
-      kept.pop_back();
-      if (surface.duplicate_triangles++ == 0) surface.first_duplicate = static_cast<Index>(i);
-      continue;
-    }
-    surface.source_triangle.push_back(static_cast<Index>(i));
   }
+  kept.resize(count);
+  source.resize(count);
   return true;
+}
+
+/// Repeated triangles are rare, and the topology sees them in passing: only then are they looked for and is
+/// it built again.
+Result<> connect(std::size_t vertices, const RunControl& run, Surface& surface) {
+  for (;;) {
+    auto topology = build_topology(vertices, surface.mesh.triangles, run);
+    if (!topology) return topology.error();
+    surface.topology = std::move(*topology);
+    if (!surface.topology.repeated_triangles) return {};
+    if (!drop_repeated_triangles(run, surface)) return run.stop_error();
+  }
 }
 
 }  // namespace
@@ -149,9 +222,8 @@ Result<Surface> prepare_surface(std::span<const Vec3d> positions, std::span<cons
     }
   });
   if (!done) return run.stop_error();
-  auto topology = build_topology(kept.size(), surface.mesh.triangles, run);
-  if (!topology) return topology.error();
-  surface.topology = std::move(*topology);
+  if (!order_for_cache(surface, run)) return run.stop_error();
+  if (auto connected = connect(kept.size(), run, surface); !connected) return connected.error();
   surface.mean_edge = mean_edge_length(surface.mesh.positions, surface.topology, run);
   if (run.stopped()) return run.stop_error();
   return surface;

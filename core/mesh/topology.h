@@ -44,7 +44,8 @@ struct Topology {
   std::uint32_t opposed_edges = 0;  ///< edges whose two triangles wind against each other
   std::uint32_t non_manifold_vertices = 0;
   std::uint32_t isolated_vertices = 0;
-  std::uint32_t components = 0;  ///< sets of triangles connected by vertices
+  std::uint32_t components = 0;     ///< sets of triangles connected by vertices
+  bool repeated_triangles = false;  ///< two triangles have the same corners: the rest means nothing then
 
   bool has(Index vertex, VertexFlag flag) const { return (vertex_flags[vertex] & flag) != 0; }
   /// The neighbour of triangle t across its edge e winds the other way.
@@ -53,9 +54,9 @@ struct Topology {
   }
 };
 
-/// O(n log(highest valence)). The triangles' indices must be in range and distinct within each triangle, and
-/// no two triangles may have the same corners: prepare_surface() sees to both. Errors: Cancelled,
-/// DeadlineExceeded.
+/// O(n log(highest valence)). The triangles' indices must be in range and distinct within each triangle. No
+/// two triangles should have the same corners: prepare_surface() sees to that, by asking repeated_triangles.
+/// Errors: Cancelled, DeadlineExceeded.
 Result<Topology> build_topology(std::size_t vertices, std::span<const Triangle> triangles,
                                 const RunControl& run);
 

@@ -2,10 +2,14 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <random>
+#include <set>
 
 #include "core/measure/error.h"
 #include "core/measure/nearest.h"
 #include "core/measure/quality.h"
+#include "core/mesh/curve.h"
 #include "tests/support/oracle.h"
 
 namespace burnish {
@@ -30,6 +34,43 @@ TEST(SquaredDistance, FindsFacesEdgesAndCorners) {
   EXPECT_DOUBLE_EQ(squared_distance({-3, -4, 0}, a, b, c), 25);       // off a corner
   EXPECT_DOUBLE_EQ(squared_distance({2, 3, 0}, a, b, {2, 0, 0}), 9);  // a line
   EXPECT_DOUBLE_EQ(squared_distance({0, 3, 4}, a, a, a), 25);         // a point
+}
+
+/// Straight from the definition: the projection when it is inside, else the nearest of three segments.
+long double plain_squared_distance(const Vec3d& p, const Vec3d (&corners)[3]) {
+  using Vec = Vec3<long double>;
+  const auto widened = [](const Vec3d& v) { return Vec{v.x, v.y, v.z}; };
+  const Vec point = widened(p), t[3] = {widened(corners[0]), widened(corners[1]), widened(corners[2])};
+  const Vec normal = cross(t[1] - t[0], t[2] - t[0]);
+  long double least = std::numeric_limits<long double>::infinity();
+  bool inside = dot(normal, normal) > 0;
+  for (int i = 0; i < 3; ++i) {
+    const Vec along = t[(i + 1) % 3] - t[i], from = point - t[i];
+    inside = inside && dot(cross(along, from), normal) >= 0;
+    const long double size = dot(along, along),
+                      share = size > 0 ? std::clamp(dot(from, along) / size, 0.0L, 1.0L) : 0;
+    const Vec rest = from - along * share;
+    least = std::min(least, dot(rest, rest));
+  }
+  const long double height = dot(point - t[0], normal);
+  return inside ? height * height / dot(normal, normal) : least;
+}
+
+TEST(SquaredDistance, AgreesWithItsDefinitionForTrianglesOfAnyShape) {
+  std::mt19937_64 random(11);
+  const auto any = [&] { return static_cast<double>(static_cast<float>(random() >> 40)) * 0x1p-23 - 1; };
+  for (int i = 0; i < 20'000; ++i) {
+    Vec3d t[3] = {{any(), any(), any()}, {any(), any(), any()}, {any(), any(), any()}};
+    const double flatness = std::ldexp(1.0, -(i % 40));  // down to a line
+    t[2] = t[0] + (t[1] - t[0]) * any() + (t[2] - t[0]) * flatness;
+    std::swap(t[i % 3], t[2]);
+    const double near = std::ldexp(1.0, -(i % 30));
+    const Vec3d p = t[0] + (t[1] - t[0]) * std::abs(any()) + (t[2] - t[0]) * std::abs(any() / 2) +
+                    Vec3d{any(), any(), any()} * near;
+    EXPECT_NEAR(std::sqrt(squared_distance(p, t[0], t[1], t[2])),
+                static_cast<double>(std::sqrt(plain_squared_distance(p, t))), i % 40 < 16 ? 1e-10 : 1e-7)
+        << i;
+  }
 }
 
 /// Asks for each point, from some start, and compares with the best of all triangles.
@@ -67,6 +108,99 @@ TEST(NearestTriangle, AgreesWithTryingAllFromFarAway) {
   const std::vector<Vec3f> points{
       {1e3F, 2e3F, -5e2F}, {0, 1e6F, 0}, {1e12F, 1e12F, 1e12F}, {-1e18F, 0, 1e18F}};
   expect_nearest(s.mesh, s.mesh.triangles.size(), points);
+}
+
+/// The least of all triangles for each point, from a bound as the report has it: the distance of some corner.
+void expect_group_nearest(const Mesh& mesh, std::span<const Vec3f> points) {
+  const auto nearest = NearestTriangle::build(mesh.positions, mesh.triangles, {});
+  ASSERT_TRUE(nearest);
+  for (std::size_t first = 0; first < points.size(); first += NearestTriangle::kGroup) {
+    const auto group = points.subspan(first, std::min(NearestTriangle::kGroup, points.size() - first));
+    std::vector<double> squared, best;
+    for (const Vec3f& point : group) {
+      const Vec3d p = to_double(point);
+      double bound = std::numeric_limits<double>::infinity(), least = bound;
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const Vec3d way = p - to_double(mesh.positions[a]);
+        bound = std::min(bound, dot(way, way));
+        least = std::min(least, squared_distance(p, to_double(mesh.positions[a]),
+                                                 to_double(mesh.positions[b]), to_double(mesh.positions[c])));
+      }
+      squared.push_back(bound);
+      best.push_back(least);
+    }
+    nearest->find_all(group, squared);
+    EXPECT_EQ(squared, best) << mesh.triangles.size() << " triangles, points from " << first;
+  }
+}
+
+TEST(NearestTriangle, AgreesWithTryingAllForGroups) {
+  const Surface s = surface_of(with_noise(sphere(3), 0.1));
+  expect_group_nearest(s.mesh, s.mesh.positions);
+  expect_group_nearest(s.mesh, surface_of(with_noise(sphere(3), 0.05)).mesh.positions);
+  expect_group_nearest(s.mesh, surface_of(with_noise(scaled(sphere(2), 0.7), 0.5)).mesh.positions);
+  for (const std::size_t triangles : {1, 7, 8, 9, 64, 65, 513}) {
+    Mesh part = s.mesh;
+    part.triangles.resize(triangles);
+    expect_group_nearest(part, std::span(s.mesh.positions).first(40));
+  }
+}
+
+TEST(NearestTriangle, AgreesWithTryingAllForNeedlesFansAndOutliers) {
+  Mesh mesh = surface_of(with_noise(grid(12), 0.2)).mesh;
+  const auto first = static_cast<Index>(mesh.positions.size());
+  mesh.positions.push_back({1e9F, -1e9F, 1e9F});  // far from all others, so all others share a cell
+  mesh.positions.push_back({0.01F, 0.01F, 1e-7F});
+  mesh.positions.push_back({0.02F, 0.02F, 1e-7F});
+  for (Index v = 0; v + 1 < first; v += 5) mesh.triangles.push_back({first, v, v + 1});      // a fan
+  for (Index v = 0; v < first; v += 3) mesh.triangles.push_back({first + 1, first + 2, v});  // around an edge
+  mesh.triangles.push_back({first + 1, first + 1, first + 2});                               // a line
+  expect_group_nearest(mesh, mesh.positions);
+}
+
+TEST(NearestTriangle, GivesTheSameBitsForEveryVectorWidth) {
+  const Surface s = surface_of(with_noise(sphere(4), 0.02));
+  std::vector<nearest_group::Node> nodes(1 + 8);  // a tree of 64 triangles by hand
+  std::vector<Index> triangles(64);
+  std::iota(triangles.begin(), triangles.end(), Index{0});
+  const auto include = [](nearest_group::Node& node, std::size_t k, const Vec3f& p, bool start) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      node.low[axis][k] = start ? p[axis] : std::min(node.low[axis][k], p[axis]);
+      node.high[axis][k] = start ? p[axis] : std::max(node.high[axis][k], p[axis]);
+    }
+  };
+  for (std::size_t t = 0; t < 64; ++t) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3f& p = s.mesh.positions[s.mesh.triangles[t][c]];
+      include(nodes[1 + t / 8], t % 8, p, c == 0);
+      include(nodes[0], t / 8, p, t % 8 == 0 && c == 0);
+    }
+  }
+  std::vector<SimdVec3> positions;
+  for (const Vec3f& p : s.mesh.positions) positions.emplace_back(p);
+  const nearest_group::Tree tree{nodes, 9, triangles, s.mesh.triangles, positions};
+  const auto points = std::span(s.mesh.positions).first(nearest_group::kMost);
+  std::vector<std::vector<double>> answers;
+  for (const auto find : nearest_group::finds_here()) {
+    auto& answer = answers.emplace_back(points.size(), 4.0);
+    ASSERT_TRUE(find(tree, points, answer));
+    EXPECT_EQ(answer, answers.front());
+  }
+}
+
+TEST(CurveOrder, TakesEveryPointOnceAndNearOnesTogether) {
+  Surface s = surface_of(with_noise(sphere(4), 0.01));
+  std::vector<Vec3f> points = s.mesh.positions;
+  points.push_back({1e12F, 0, 0});  // the others must still be told apart
+  const auto order = curve_order(points, {});
+  EXPECT_EQ(std::set<Index>(order.begin(), order.end()).size(), points.size());
+  double way = 0;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    if (order[i] != points.size() - 1 && order[i - 1] != points.size() - 1)
+      way += length(to_double(points[order[i]] - points[order[i - 1]]));
+  }
+  EXPECT_LT(way / static_cast<double>(order.size()), 3 * s.mean_edge);
+  EXPECT_EQ(curve_order(std::vector<Vec3f>(100), {}).back(), 99U);
 }
 
 TEST(Ev, AgreesWithBruteForce) {

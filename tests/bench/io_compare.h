@@ -1,0 +1,37 @@
+// Public libraries that read, smooth and write OBJ files, behind one signature. Each is in a file of its own,
+// because their headers take long to compile.
+#pragma once
+
+#include <string>
+
+#include "tests/bench/compare.h"
+
+namespace burnish::bench {
+
+/// Seconds of this thread's time: to read a file with its topology, for 20 smoothing steps, to write the
+/// result.
+struct FileSeconds {
+  double read = 0, smooth = 0, write = 0;
+};
+
+/// Times three things in turn.
+class StageClock {
+ public:
+  double lap() {
+    const double start = last_;
+    last_ = thread_seconds();
+    return last_ - start;
+  }
+
+ private:
+  double last_ = thread_seconds();
+};
+
+/// TriMesh_ArrayKernelT, JacobiLaplaceSmootherT.
+FileSeconds openmesh_file(const std::string& in, const std::string& out);
+/// Surface_mesh over Simple_cartesian<double>; CGAL has no linear filter, so nothing is smoothed.
+FileSeconds cgal_file(const std::string& in, const std::string& out);
+/// vtkOBJReader and the cells' links, vtkWindowedSincPolyDataFilter, vtkOBJWriter.
+FileSeconds vtk_file(const std::string& in, const std::string& out);
+
+}  // namespace burnish::bench
