@@ -3,31 +3,11 @@
 #include <algorithm>
 
 #include "core/run/parallel.h"
+#include "core/smooth/cotangent.h"
 #include "core/smooth/parameters.h"
 
 namespace burnish {
 namespace {
-
-/// Per triangle: the clamped cotangents at its corners, halved, and its area.
-struct FaceWeights {
-  float half_cotangent[3];
-  float area;
-};
-
-FaceWeights face_weights(const Triangle& t, std::span<const SimdVec3> positions, float largest) {
-  FaceWeights weights{};
-  const SimdVec3 p[3] = {positions[t[0]], positions[t[1]], positions[t[2]]};
-  const float twice_area = length(cross(p[1] - p[0], p[2] - p[0]));
-  weights.area = twice_area * 0.5F;
-  if (twice_area == 0) return weights;  // no direction to flow in
-  for (int c = 0; c < 3; ++c) {
-    const float cotangent = dot(p[(c + 1) % 3] - p[c], p[(c + 2) % 3] - p[c]) / twice_area;
-    weights.half_cotangent[c] = 0.5F * std::clamp(cotangent, 0.0F, largest);
-  }
-  return weights;
-}
-
-int corner_of(const Triangle& t, std::size_t vertex) { return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2; }
 
 SimdVec3 flow_step(const Surface& surface, std::span<const FaceWeights> weights,
                    std::span<const SimdVec3> from, std::size_t vertex, float time_step) {

@@ -15,6 +15,17 @@ inline ParameterSpec number_parameter(std::string name, double value, double min
           .text = std::move(text)};
 }
 
+inline ParameterSpec count_parameter(std::string name, std::uint32_t value, double minimum, double maximum,
+                                     std::string text) {
+  return {.name = std::move(name),
+          .kind = ParameterKind::Integer,
+          .default_value = std::int64_t{value},
+          .minimum = minimum,
+          .maximum = maximum,
+          .unit = "1",
+          .text = std::move(text)};
+}
+
 /// The first choice is the default.
 inline ParameterSpec choice_parameter(std::string name, std::vector<std::string> choices, std::string text) {
   ParameterSpec spec{.name = std::move(name), .kind = ParameterKind::Choice, .text = std::move(text)};
@@ -23,9 +34,13 @@ inline ParameterSpec choice_parameter(std::string name, std::vector<std::string>
   return spec;
 }
 
-/// A method's own parameters, followed by those of every iterative method.
-inline std::vector<ParameterSpec> with_iteration_parameters(std::vector<ParameterSpec> own) {
-  for (ParameterSpec& spec : iteration_parameters()) own.push_back(std::move(spec));
+/// A method's own parameters, followed by those of every iterative method, with its default of `iterations`.
+inline std::vector<ParameterSpec> with_iteration_parameters(
+    std::vector<ParameterSpec> own, std::uint32_t iterations = IterationOptions{}.iterations) {
+  for (ParameterSpec& spec : iteration_parameters()) {
+    if (spec.name == "iterations") spec.default_value = std::int64_t{iterations};
+    own.push_back(std::move(spec));
+  }
   return own;
 }
 

@@ -5,9 +5,21 @@
 #include <cmath>
 
 #include "core/smooth/adaptive.h"
+#include "core/smooth/bilaplacian.h"
+#include "core/smooth/bilateral.h"
+#include "core/smooth/bilateral_normals.h"
+#include "core/smooth/fast_effective.h"
+#include "core/smooth/hc_laplacian.h"
+#include "core/smooth/implicit_mean_curvature_flow.h"
+#include "core/smooth/joint_bilateral.h"
 #include "core/smooth/laplacian.h"
 #include "core/smooth/mean_curvature_flow.h"
+#include "core/smooth/mean_normals.h"
+#include "core/smooth/median_normals.h"
+#include "core/smooth/ohtake.h"
 #include "core/smooth/taubin.h"
+#include "core/smooth/weighted_least_squares.h"
+#include "core/smooth/windowed_sinc.h"
 
 namespace burnish {
 namespace {
@@ -82,6 +94,18 @@ std::span<const Method> methods() {
       laplacian_method(),
       taubin_method(),
       mean_curvature_flow_method(),
+      implicit_mean_curvature_flow_method(),
+      weighted_least_squares_method(),
+      bilaplacian_method(),
+      hc_laplacian_method(),
+      windowed_sinc_method(),
+      bilateral_method(),
+      ohtake_method(),
+      mean_normals_method(),
+      median_normals_method(),
+      fast_effective_method(),
+      bilateral_normals_method(),
+      joint_bilateral_method(),
   };
   return kMethods;
 }

@@ -36,14 +36,38 @@ struct Components {
   }
 };
 
+/// No body of its diagonal, below 2 in local units, has more volume than the ball of half of it as radius: no
+/// offset need be larger, not even from a point.
+constexpr double kLargestOffset = 1;
+
 /// What one component needs to find its offset.
 struct Balance {
   double wanted = 0;            ///< volume of the input
   double tolerance = 0;         ///< how near is near enough
   double area = 0;              ///< of what may move: the slope of the volume over the offset
-  double offset = 0, next = 0;  ///< tried, to try
+  double offset = 0, next = 0;  ///< tried, to try; equal when there is nothing more to try
   double off = 0;               ///< volume at `offset` minus `wanted`
   double best = 0, best_off = 0;
+
+  void start(double volume, double target, double mean_edge) {
+    wanted = target;
+    tolerance = 1e-6 * (std::abs(wanted) + area * mean_edge);
+    off = best_off = volume - wanted;
+    if (area > 0 && std::abs(off) > tolerance)
+      next = std::clamp(-off / area, -kLargestOffset, kLargestOffset);
+  }
+
+  /// A secant step towards no difference.
+  void improve(double volume) {
+    if (next == offset) return;
+    const double now = volume - wanted, slope = (now - off) / (next - offset);
+    offset = next;
+    off = now;
+    if (std::abs(off) < std::abs(best_off)) best = offset, best_off = off;
+    if (std::abs(off) > tolerance && slope > 0.01 * area) {
+      next = std::clamp(offset - off / slope, -kLargestOffset, kLargestOffset);
+    }
+  }
 };
 
 class Restorer {
@@ -58,16 +82,13 @@ class Restorer {
     const auto wanted = volumes(home), is = volumes(positions);
     measure_normals();
     for (std::size_t c = 0; c < balances_.size(); ++c) {
-      Balance& b = balances_[c];
-      b.wanted = wanted[c];
-      b.tolerance = 1e-6 * (std::abs(b.wanted) + b.area * surface_.mean_edge);
-      b.off = b.best_off = is[c] - b.wanted;
-      b.next = b.area > 0 ? -b.off / b.area : 0;
+      balances_[c].start(is[c], wanted[c], surface_.mean_edge);
     }
-    constexpr int kTries = 12;
-    for (int i = 0; i < kTries && !run_.stopped() && !settled(); ++i) {
+    constexpr int kMostTries = 20;  // a few do, but for what has nearly vanished
+    for (int i = 0; i < kMostTries && !run_.stopped() && !settled(); ++i) {
       place(positions, &Balance::next);
-      improve(volumes(positions));
+      const auto tried = volumes(positions);
+      for (std::size_t c = 0; c < balances_.size(); ++c) balances_[c].improve(tried[c]);
     }
     place(positions, &Balance::best);
     warn(warnings);
@@ -142,28 +163,16 @@ class Restorer {
   }
 
   bool settled() const {
-    return std::ranges::all_of(balances_, [](const Balance& b) { return std::abs(b.off) <= b.tolerance; });
-  }
-
-  /// Secant steps towards no difference.
-  void improve(const std::vector<double>& volumes) {
-    for (std::size_t c = 0; c < balances_.size(); ++c) {
-      Balance& b = balances_[c];
-      if (b.next == b.offset) continue;
-      const double off = volumes[c] - b.wanted, slope = (off - b.off) / (b.next - b.offset);
-      b.offset = b.next;
-      b.off = off;
-      if (std::abs(off) < std::abs(b.best_off)) b.best = b.offset, b.best_off = off;
-      if (std::abs(off) > b.tolerance && slope > 0.01 * b.area) b.next = b.offset - off / slope;
-    }
+    return std::ranges::all_of(balances_, [](const Balance& b) { return b.next == b.offset; });
   }
 
   void warn(std::vector<Warning>& warnings) const {
     const auto lost = std::ranges::count_if(
-        balances_, [](const Balance& b) { return std::abs(b.best_off) > 1000 * b.tolerance; });
+        balances_, [](const Balance& b) { return std::abs(b.best_off) > 10 * b.tolerance; });
     if (lost == 0) return;
     warnings.push_back({"volume_not_kept",
-                        "the volume of a component could not be restored: its vertices may not move that far",
+                        "the volume of a component could not be restored: it has collapsed, or its vertices "
+                        "may not move that far",
                         static_cast<std::uint32_t>(lost)});
   }
 

@@ -1,5 +1,5 @@
 // Every method of the registry: 20 iterations on one thread and on two. The counter is the time per vertex
-// and iteration.
+// and iteration. One case: methods_bench --benchmark_filter=adaptive/triangles:69696/threads:1
 #include <benchmark/benchmark.h>
 
 #include "core/smooth/registry.h"
@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::int64_t kIterations = 20;
 
-void smooth(benchmark::State& state, const Method& method, int level, unsigned threads) {
-  const Surface& start = noisy_surface(level);
+void smooth(benchmark::State& state, const Method& method, int triangles, unsigned threads) {
+  const Surface& start = noisy_surface(triangles);
   const auto values = resolve_parameters(method, {{"iterations", kIterations}});
   Surface surface = start;
   for (auto _ : state) {
@@ -32,11 +32,11 @@ void smooth(benchmark::State& state, const Method& method, int level, unsigned t
 
 void register_all() {
   for (const Method& method : methods()) {
-    for (const int level : kLevels) {
+    for (const int triangles : kSizes) {
       for (const unsigned threads : {1U, 2U}) {
-        const std::string name = method.name + "/triangles:" + std::to_string(20 << 2 * level) +
-                                 "/threads:" + std::to_string(threads);
-        benchmark::RegisterBenchmark(name.c_str(), smooth, method, level, threads)
+        const std::string name =
+            method.name + "/triangles:" + std::to_string(triangles) + "/threads:" + std::to_string(threads);
+        benchmark::RegisterBenchmark(name.c_str(), smooth, method, triangles, threads)
             ->Unit(benchmark::kMillisecond)
             ->MeasureProcessCPUTime()
             ->UseRealTime();

@@ -12,10 +12,13 @@
 #include <type_traits>
 
 #include "core/measure/nearest.h"
-#include "tests/bench/meshes.h"
+#include "tests/support/shapes.h"
 
 namespace burnish::bench {
 namespace {
+
+/// Subdivision levels: 20480, 81920 and 327680 triangles.
+constexpr int kLevels[] = {5, 6, 7};
 
 /// What a query knows beforehand.
 enum class Start {
@@ -134,10 +137,10 @@ bool same_answers(const std::vector<double>& ours, const std::vector<double>& em
 }
 
 void compare(benchmark::State& state, Start start, int level, RTCBuildQuality quality) {
-  const Surface& reference = noisy_surface(level);
+  const testing::Shape sphere = testing::sphere(level);
+  const Surface reference = testing::surface_of(testing::with_noise(sphere, 0.2 * 1.2 / (1 << level)));
   Task task{{}, reference, start};
-  for (const Vec3d& p : clean_sphere(level).positions)
-    task.points.push_back(reference.mesh.frame.to_local(p));
+  for (const Vec3d& p : sphere.positions) task.points.push_back(reference.mesh.frame.to_local(p));
   std::vector<double> ours(task.points.size()), embrees(task.points.size());
   Times our_times, embree_times;
   for (auto _ : state) {

@@ -1,0 +1,139 @@
+#include "core/smooth/normal_filter.h"
+
+#include "core/smooth/parameters.h"
+
+namespace burnish {
+namespace {
+
+/// 1 or -1 per triangle, so that triangles across an edge agree wherever the surface allows; the greater part
+/// of what edges connect keeps its side.
+std::vector<float> orientations(const Surface& surface, const RunControl& run) {
+  const Topology& topology = surface.topology;
+  if (topology.opposed_edges == 0) return {};
+  const std::size_t faces = surface.mesh.triangles.size();
+  std::vector<float> orientation(faces);  // 0: not reached yet
+  std::vector<Index> part;
+  for (std::size_t seed = 0; seed < faces && !run.stopped(); ++seed) {
+    if (orientation[seed] != 0) continue;
+    part.assign(1, static_cast<Index>(seed));
+    orientation[seed] = 1;
+    double balance = 0;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const Index f = part[i];
+      balance += orientation[f];
+      for (std::size_t side = 0; side < 3; ++side) {
+        const Index across = topology.face_neighbours[f][side];
+        if (across == kNone || orientation[across] != 0) continue;
+        orientation[across] = topology.opposed(f, side) ? -orientation[f] : orientation[f];
+        part.push_back(across);
+      }
+    }
+    if (balance < 0) {
+      for (const Index f : part) orientation[f] = -orientation[f];
+    }
+  }
+  return orientation;
+}
+
+}  // namespace
+
+Faces::Faces(const Surface& surface, FaceNeighbourhood neighbourhood, const RunControl& run)
+    : surface_(surface),
+      neighbourhood_(neighbourhood),
+      run_(run),
+      orientation_(orientations(surface, run)),
+      normals_(surface.mesh.triangles.size()),
+      next_normals_(normals_.size()),
+      centroids_(normals_.size()),
+      twice_areas_(normals_.size()) {}
+
+bool Faces::measure(std::span<const SimdVec3> positions) {
+  return for_each_block([&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto& [a, b, c] = surface_.mesh.triangles[f];
+      const SimdVec3 area_normal = cross(positions[b] - positions[a], positions[c] - positions[a]);
+      const float twice_area = length(area_normal);
+      const float side = orientation_.empty() ? 1.0F : orientation_[f];
+      normals_[f] = twice_area > 0 ? area_normal * (side / twice_area) : SimdVec3{};
+      twice_areas_[f] = twice_area;
+      centroids_[f] = centroid_of(positions, f);
+    }
+  });
+}
+
+bool Faces::measure_centroids(std::span<const SimdVec3> positions) {
+  return for_each_block([&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) centroids_[f] = centroid_of(positions, f);
+  });
+}
+
+SimdVec3 Faces::centroid_of(std::span<const SimdVec3> positions, std::size_t f) const {
+  const auto& [a, b, c] = surface_.mesh.triangles[f];
+  return (positions[a] + positions[b] + positions[c]) * (1.0F / 3.0F);
+}
+
+SimdVec3 Faces::mean_of_neighbours(std::size_t f) const {
+  SimdVec3 sum;
+  float areas = 0;
+  for_each_neighbour(f, [&](Index n) {
+    sum += normals_[n] * twice_areas_[n];
+    areas += twice_areas_[n];
+  });
+  return unit_or(sum, areas, normals_[f]);
+}
+
+double Faces::mean_centroid_distance() const {
+  const Topology& topology = surface_.topology;
+  const auto pairs = topology.edges - topology.boundary_edges - topology.non_manifold_edges;
+  const double sum = parallel_sum(size(), run_, [&](std::size_t begin, std::size_t end) {
+    double part = 0;
+    for (std::size_t f = begin; f < end; ++f) {
+      for (const Index across : topology.face_neighbours[f]) {
+        if (across != kNone && across > f)
+          part += static_cast<double>(length(centroids_[across] - centroids_[f]));
+      }
+    }
+    return part;
+  });
+  return pairs > 0 ? sum / pairs : 0;
+}
+
+Result<SmoothOutcome> iterate_normals(Surface& surface, Faces& faces, const Constraints& constraints,
+                                      const IterationOptions& options, const NormalPasses& passes) {
+  // The last vertex step of an iteration is iterate()'s own; the earlier ones go back and forth in here.
+  std::vector<SimdVec3> steps[2];
+  std::span<const SimdVec3> last;
+  const auto prepare = [&](std::span<const SimdVec3> from) {
+    if (!passes.filter(from)) return false;
+    last = from;
+    for (std::uint32_t step = 1; step < passes.vertex_steps; ++step) {
+      std::vector<SimdVec3>& to = steps[step % 2];
+      if (to.empty()) to.assign(from.begin(), from.end());
+      const bool done = parallel_for(last.size(), faces.run(), [&](std::size_t begin, std::size_t end) {
+        passes.move(last, to, begin, end);
+        constraints.enforce(to, begin, end);  // what diverges here still does so at the iteration's end
+      });
+      if (!done) return false;
+      last = to;
+      if (!faces.measure_centroids(last)) return false;
+    }
+    return true;
+  };
+  return iterate(surface, constraints, options, faces.run(),
+                 {.prepare = prepare, .move = [&](auto, auto to, std::size_t begin, std::size_t end) {
+                    passes.move(last, to, begin, end);
+                  }});
+}
+
+ParameterSpec neighbourhood_parameter(FaceNeighbourhood standard) {
+  std::vector<std::string> choices = {"edges", "vertices"};
+  if (standard == FaceNeighbourhood::Vertices) std::swap(choices[0], choices[1]);
+  return choice_parameter("neighbourhood", std::move(choices),
+                          "Neighbours of a triangle: those across its edges, or all that share a vertex.");
+}
+
+FaceNeighbourhood neighbourhood_of(const ParameterValues& values) {
+  return values.choice("neighbourhood") == "edges" ? FaceNeighbourhood::Edges : FaceNeighbourhood::Vertices;
+}
+
+}  // namespace burnish
