@@ -113,6 +113,8 @@ void print_report(std::ostream& out, const v1::SmoothReport& report) {
   row(out, "parameters", parameters(report));
   row(out, "input", counts(report.input()));
   row(out, "output", counts(report.output()));
+  if (report.pinned_vertices() > 0)
+    row(out, "pinned", std::to_string(report.pinned_vertices()) + " vertices");
   row(out, "written as", encoding(report.encoding()));
   print_errors(out, report.errors());
   print_change(out, report.change());

@@ -23,6 +23,8 @@ struct SmoothArguments {
   Place place;
   std::optional<std::uint32_t> iterations;
   std::vector<std::string> assignments;  // name=value
+  std::vector<std::uint32_t> pinned_vertices;
+  std::string pinned_group, pinned_attribute;
   std::optional<v1::MeshFormat> output_format;
   v1::DracoMethod draco_method = v1::DRACO_METHOD_UNSPECIFIED;
   std::optional<std::uint32_t> position_bits, normal_bits, texture_coordinate_bits, color_bits, generic_bits,
@@ -69,6 +71,14 @@ Result<> set_parameters(v1::SmoothOptions& options, const std::vector<std::strin
   return {};
 }
 
+v1::PinnedVertices pinned(const SmoothArguments& arguments) {
+  v1::PinnedVertices pinned;
+  pinned.mutable_vertices()->Assign(arguments.pinned_vertices.begin(), arguments.pinned_vertices.end());
+  pinned.set_group(arguments.pinned_group);
+  pinned.set_attribute(arguments.pinned_attribute);
+  return pinned;
+}
+
 v1::OutputOptions output_options(const SmoothArguments& arguments) {
   v1::OutputOptions output;
   const std::optional<Format> by_name = format_of_name(arguments.out);
@@ -92,6 +102,7 @@ Result<v1::SmoothOptions> smooth_options(const SmoothArguments& arguments) {
   options.set_method(arguments.method);
   if (arguments.iterations) options.set_iterations(*arguments.iterations);
   if (Result<> set = set_parameters(options, arguments.assignments); !set) return set.error();
+  if (const auto pins = pinned(arguments); pins.ByteSizeLong() > 0) *options.mutable_pinned() = pins;
   *options.mutable_output() = output_options(arguments);
   return options;
 }
@@ -187,6 +198,23 @@ void add_method(CLI::App* command, SmoothArguments& arguments) {
       ->allow_extra_args(false);
 }
 
+void add_pins(CLI::App* command, SmoothArguments& arguments) {
+  command
+      ->add_option("--pin", arguments.pinned_vertices,
+                   "Vertices that stay where they are, counted from 0 as in the file: 0,1,2; may be repeated")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  const auto named = CLI::Validator(
+      [](const std::string& name) { return name.empty() ? "needs a name" : std::string(); }, "NAME");
+  command
+      ->add_option("--pin-group", arguments.pinned_group, "Vertices of this OBJ group's faces stay as well")
+      ->check(named);
+  command
+      ->add_option("--pin-attribute", arguments.pinned_attribute,
+                   "Points where this Draco attribute (by name or unique id) is not 0 stay as well")
+      ->check(named);
+}
+
 void add_output(CLI::App* command, SmoothArguments& arguments) {
   static const std::map<std::string, v1::MeshFormat> kFormats = {{"obj", v1::MESH_FORMAT_OBJ},
                                                                  {"drc", v1::MESH_FORMAT_DRACO}};
@@ -218,6 +246,7 @@ void add_smooth_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("smooth", "Smooth a mesh and report what changed");
   add_files(command, *arguments);
   add_method(command, *arguments);
+  add_pins(command, *arguments);
   add_place(command, arguments->place);
   add_output(command, *arguments);
   command->footer([] { return "Methods and their parameters (--set):\n" + method_help(); });

@@ -31,6 +31,7 @@ struct DracoOptions {
 struct OutputOptions {
   std::optional<Format> format = {};  ///< unset: the input's
   DracoOptions draco = {};
+  std::uint64_t part_bytes = std::uint64_t{1} << 20;  ///< text that a thread writes at once; changes no byte
 };
 
 /// Values per corner or per vertex of a mesh, for carrying them into another format.
@@ -81,6 +82,14 @@ class Document {
 
   virtual std::string vertex_place(Index vertex) const = 0;      ///< "vertex 12 (line 40)"
   virtual std::string triangle_place(Index triangle) const = 0;  ///< "triangle 812 (line 10321)"
+
+  /// For pin_vertices(): vertices of an OBJ's faces in the group `name` (`g a b`: in both; faces before the
+  /// first `g`, or after one without a name, are in "default"), and points of a Draco mesh where a component
+  /// of an attribute is not 0, which `name` names by its metadata entry "name" or else by its unique id.
+  /// Ascending, each once. Errors: BadOption, listing what there is or saying that the format has none;
+  /// Cancelled, DeadlineExceeded.
+  virtual Result<std::vector<Index>> group_vertices(std::string_view name, const RunControl& run) const;
+  virtual Result<std::vector<Index>> attribute_vertices(std::string_view name, const RunControl& run) const;
 
   /// Writes the same format back. `options.format` is ignored.
   virtual Result<Encoded> encode_same(const MovedPositions& moved, const OutputOptions& options,

@@ -28,6 +28,7 @@ class DracoDocument final : public Document {
 
   std::string vertex_place(Index vertex) const override { return "point " + std::to_string(vertex); }
   std::string triangle_place(Index triangle) const override { return "triangle " + std::to_string(triangle); }
+  Result<std::vector<Index>> attribute_vertices(std::string_view name, const RunControl& run) const override;
 
   Result<Encoded> encode_same(const MovedPositions& moved, const OutputOptions& options,
                               const RunControl& run) const override;

@@ -24,6 +24,8 @@ class DecimalWriter {
   double largest_error() const;
 
  private:
+  char* write(char* to, double value) const;  // returns the end
+
   int decimals_;      // negative: shortest
   double power_ = 1;  // 10^decimals_
 };

@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kTextType = "text/plain";
+constexpr std::uint32_t kMostVertex = 0xffffffff;
 
 /// A file as it is: OpenAPI 3.1 says so by saying nothing.
 Json file() { return {{"schema", Json::object()}}; }
@@ -45,6 +46,20 @@ Json smooth_parameters(const RequestLimits& limits) {
                                    {{"type", "integer"}, {"minimum", 0}, {"maximum", number.most}},
                                    "Of Draco results, as in SmoothOptions.output.draco."));
   }
+  const Json name = {{"type", "string"}, {"minLength", 1}};
+  list.push_back(
+      query_parameter("pinned_group", name, "Vertices of this OBJ group's faces stay where they are."));
+  list.push_back(query_parameter("pinned_attribute", name,
+                                 "Points where this Draco attribute is not 0 stay where they are."));
+  Json vertices =
+      query_parameter("pinned_vertices",
+                      {{"type", "array"},
+                       {"minItems", 1},
+                       {"items", {{"type", "integer"}, {"minimum", 0}, {"maximum", kMostVertex}}}},
+                      "Vertices that stay where they are, counted from 0, with commas between.");
+  vertices["style"] = "form";
+  vertices["explode"] = false;
+  list.push_back(std::move(vertices));
   return list;
 }
 

@@ -59,14 +59,20 @@ std::string list_of(const std::vector<std::string>& names) {
   return list;
 }
 
-Result<> read_uint32(const Json& from, Message& into, const FieldDescriptor& field,
-                     const std::string& place) {
+Result<std::uint32_t> whole_number(const Json& from, const std::string& place) {
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
   const double value = from.is_number() ? from.get<double>() : -1;
   if (!(value >= 0 && value <= kMost) || std::floor(value) != value) {
     return expected(place, "a whole number from 0 to 4294967295");
   }
-  into.GetReflection()->SetUInt32(&into, &field, static_cast<std::uint32_t>(value));
+  return static_cast<std::uint32_t>(value);
+}
+
+Result<> read_uint32(const Json& from, Message& into, const FieldDescriptor& field,
+                     const std::string& place) {
+  const auto number = whole_number(from, place);
+  if (!number) return number.error();
+  into.GetReflection()->SetUInt32(&into, &field, *number);
   return {};
 }
 
@@ -108,8 +114,20 @@ Result<> read_map(const Json& from, Message& into, const FieldDescriptor& field,
 
 Result<> read_message(const Json& from, Message& into, const std::string& place);
 
+/// Lists of the options hold whole numbers.
+Result<> read_list(const Json& from, Message& into, const FieldDescriptor& field, const std::string& place) {
+  if (!from.is_array()) return expected(place, "an array of whole numbers");
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const auto number = whole_number(from[i], place + '[' + std::to_string(i) + ']');
+    if (!number) return number.error();
+    into.GetReflection()->AddUInt32(&into, &field, *number);
+  }
+  return {};
+}
+
 Result<> read_field(const Json& from, Message& into, const FieldDescriptor& field, const std::string& place) {
   if (field.is_map()) return read_map(from, into, field, place);
+  if (field.is_repeated()) return read_list(from, into, field, place);
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_UINT32:
       return read_uint32(from, into, field, place);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <limits>
+#include <string_view>
 
 #include "core/smooth/registry.h"
 #include "server/service/smooth_service.h"
@@ -46,7 +48,26 @@ Result<> set_draco_method(v1::SmoothOptions& options, const std::string& name, c
   return {};
 }
 
+Result<> pin_vertices(v1::SmoothOptions& options, const std::string& name, std::string_view list) {
+  for (;;) {
+    const std::size_t comma = list.find(',');
+    const auto vertex =
+        whole_number(name, std::string(list.substr(0, comma)), 0, std::numeric_limits<std::uint32_t>::max());
+    if (!vertex) return vertex.error();
+    options.mutable_pinned()->add_vertices(*vertex);
+    if (comma == std::string_view::npos) return {};
+    list.remove_prefix(comma + 1);
+  }
+}
+
 Result<> set_one(v1::SmoothOptions& options, const std::string& name, const std::string& text) {
+  if (name == "pinned_vertices") return pin_vertices(options, name, text);
+  if (name == "pinned_group" || name == "pinned_attribute") {
+    if (text.empty()) return bad_value(name, text, "a name");
+    v1::PinnedVertices& pinned = *options.mutable_pinned();
+    (name == "pinned_group" ? pinned.mutable_group() : pinned.mutable_attribute())->assign(text);
+    return {};
+  }
   if (name == "output") return set_output(options, name, text);
   if (name == "draco_method") return set_draco_method(options, name, text);
   const auto* const draco = std::ranges::find(kDracoNumbers, name, &DracoNumber::name);

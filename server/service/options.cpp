@@ -84,6 +84,12 @@ Result<DracoOptions> resolve_draco(const v1::DracoOptions& given) {
   return options;
 }
 
+PinOptions resolve_pins(const v1::PinnedVertices& given) {
+  return {.vertices = {given.vertices().begin(), given.vertices().end()},
+          .group = given.group(),
+          .attribute = given.attribute()};
+}
+
 }  // namespace
 
 Result<ResolvedOptions> resolve_options(const v1::SmoothOptions& options) {
@@ -103,6 +109,7 @@ Result<ResolvedOptions> resolve_options(const v1::SmoothOptions& options) {
   auto draco = resolve_draco(options.output().draco());
   if (!draco) return draco.error();
   resolved.output.draco = *draco;
+  resolved.pinned = resolve_pins(options.pinned());
   return resolved;
 }
 

@@ -3,6 +3,7 @@
 
 #include "burnish/v1/smoothing.pb.h"
 #include "core/io/codec.h"
+#include "core/io/pins.h"
 #include "core/smooth/registry.h"
 
 namespace burnish {
@@ -11,6 +12,7 @@ struct ResolvedOptions {
   const Method* method = nullptr;
   ParameterValues parameters;  ///< every one of the method's, in range
   OutputOptions output;
+  PinOptions pinned;  ///< the mesh may not have what it names
 };
 
 /// Errors: UnknownMethod, UnknownOption, BadOption; Error::field names the option ("lambda",

@@ -47,11 +47,21 @@ class Pipeline {
     before_ = input_.surface.mesh.positions;
     warn(input_.warnings());
     input_.summarise(*report().mutable_input());
+    if (auto pinned = pin(); !pinned) return pinned;
     if (job_.reference.empty()) return {};
     auto reference =
         load_mesh(job_.reference, job_.reference_format, "reference: ", limits_, run_, timings());
     if (!reference) return std::move(reference).error();
     reference_ = std::move(*reference);
+    return {};
+  }
+
+  Result<> pin() {
+    Stopwatch watch;
+    const auto pinned = pin_vertices(*input_.document, options_.pinned, input_.surface, run_);
+    if (!pinned) return pinned.error();
+    report().set_pinned_vertices(*pinned);
+    timings().set_prepare_ms(timings().prepare_ms() + watch.lap());
     return {};
   }
 

@@ -58,7 +58,8 @@ class SmoothService {
   Result<> check_size(std::uint64_t bytes, std::string_view what) const;
 
   /// Decodes, prepares, smooths, measures, encodes; every stage timed and stoppable. Never throws.
-  /// Errors: those of check(), decode(), encode(), and Cancelled, DeadlineExceeded, OutOfMemory, Internal.
+  /// Errors: those of check(), decode(), pin_vertices(), encode(), and Cancelled, DeadlineExceeded,
+  /// OutOfMemory, Internal.
   Result<SmoothResult> smooth(const SmoothJob& job, const RunControl& run) const;
 
   /// The error table of `mesh` against `reference`. Connectivity may differ; the measures that need it equal

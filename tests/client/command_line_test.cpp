@@ -73,6 +73,28 @@ TEST_F(CommandLine, TakesParametersByName) {
   EXPECT_EQ(parameters["lambda"], 0.25);
 }
 
+TEST_F(CommandLine, PinsVerticesByNumberGroupAndAttribute) {
+  const auto pinned = [&](const std::string& in, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"smooth", in, smooth, "--report", "-"});
+    const Outcome done = burnish(arguments);
+    EXPECT_EQ(done.code, 0) << done.err;
+    return json_of(done.out)["pinnedVertices"].get<int>();
+  };
+  // A tetrahedron whose first two vertices are red and whose first face is in a group.
+  const std::string obj = folder.write("small.obj",
+                                       "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 0 0\nv 0 0 1 0 0 0\n"
+                                       "g base\nf 1 3 2\ng\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const std::string drc = folder / "small.drc";
+  EXPECT_EQ(pinned(obj, {}), 0);
+  EXPECT_EQ(pinned(obj, {"--pin", "0,3"}), 2);
+  EXPECT_EQ(pinned(obj, {"--pin", "0", "--pin", "3,2"}), 3);
+  EXPECT_EQ(pinned(obj, {"--pin-group", "base"}), 3);
+  EXPECT_EQ(pinned(obj, {"--pin-group", "base", "--pin", "3"}), 4);
+  EXPECT_EQ(folder.read("smooth.obj"), folder.read("small.obj")) << "all four stay";
+  ASSERT_EQ(burnish({"smooth", obj, drc, "--iterations", "0"}).code, 0);
+  EXPECT_EQ(pinned(drc, {"--pin-attribute", "1"}), 2);
+}
+
 TEST_F(CommandLine, WritesTheFormatOfTheName) {
   const std::string drc = folder / "smooth.drc";
   ASSERT_EQ(burnish({"smooth", noisy, drc, "--position-bits", "14"}).code, 0);
@@ -112,6 +134,13 @@ TEST_F(CommandLine, ExitsByCause) {
        2,
        "burnish: bad_option: "},
       {{"smooth", noisy, smooth, "--set", "boundary=open"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--pin", "1,-2"}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--pin", "0,1000000"},
+       2,
+       "burnish: bad_option: pinned.vertices[1] is 1000000"},
+      {{"smooth", noisy, smooth, "--pin-group", ""}, 2, "burnish: bad_option: "},
+      {{"smooth", noisy, smooth, "--pin-group", "a"}, 2, "burnish: bad_option: the mesh has no group \"a\""},
+      {{"smooth", noisy, smooth, "--pin-attribute", "7"}, 2, "burnish: bad_option: an OBJ has no attributes"},
       {{"noise", noisy, smooth, "--kind", "pink"}, 2, "burnish: bad_option: "},
       {{"noise", noisy, smooth, "--amplitude", "1000"}, 2, "burnish: bad_option: "},
       {{"sample", smooth, "--resolution", "2"}, 2, "burnish: bad_option: "},

@@ -44,6 +44,13 @@ TEST(PrintReport, LeavesOutWhatWasNot) {
   EXPECT_THAT(table_of(sample_report()), Not(HasSubstr("warnings")));
 }
 
+TEST(PrintReport, CountsPinnedVerticesWhenThereAreAny) {
+  v1::SmoothReport report = sample_report();
+  EXPECT_THAT(table_of(report), Not(HasSubstr("pinned")));
+  report.set_pinned_vertices(12);
+  EXPECT_THAT(table_of(report), HasSubstr("pinned              12 vertices\n"));
+}
+
 TEST(PrintReport, ShowsEveryWarning) {
   v1::SmoothReport report = sample_report();
   v1::ReportWarning* warning = report.add_warnings();

@@ -152,8 +152,8 @@ def smooth_request(path, **options):
     for name, value in options.items():
         if name in ("method", "iterations"):
             setattr(request.options, name, value)
-        elif name == "output":
-            request.options.output.CopyFrom(value)
+        elif name in ("output", "pinned"):
+            getattr(request.options, name).CopyFrom(value)
         elif isinstance(value, str):
             request.options.parameters[name].string_value = value
         else:

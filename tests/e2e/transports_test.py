@@ -60,7 +60,7 @@ class Transports(MeshTest):
         reports["python"] = json_format.MessageToDict(reply.report, including_default_value_fields=True)
         for report in reports.values():
             self.check_report(report)
-        for part in "errors", "change", "input", "output", "encoding", "parameters", "method":
+        for part in "errors", "change", "input", "output", "encoding", "parameters", "method", "pinnedVertices":
             self.assertEqual(reports["local"][part], reports["curl"][part], part)
             self.assertEqual(reports["local"][part], reports["command line"][part], part)
         return results
@@ -86,6 +86,38 @@ class Transports(MeshTest):
                 self.assertNotEqual(results["local"], mesh.read_bytes())
                 for name, result in results.items():
                     self.assertEqual(result, results["local"], name)
+
+    def test_pinned_vertices_stay_whatever_the_way(self):
+        lines = self.noisy.read_text().splitlines()
+        vertices = [line for line in lines if line.startswith("v ")]
+        chosen = set(range(40))  # white in the file, the others black
+        colored = [f"{v} {' 1 1 1' if i in chosen else ' 0 0 0'}" for i, v in enumerate(vertices)]
+        faces = [line for line in lines if line.startswith("f ")]
+        mesh, draco = self.folder / "grouped.obj", self.folder / "grouped.drc"
+        mesh.write_text("\n".join([*colored, *faces[:-9], "g rim spare", *faces[-9:], ""]))
+        self.run_burnish("smooth", mesh, draco, "--iterations", 0)
+        rim = {int(corner) - 1 for face in faces[-9:] for corner in face.split()[1:]}
+        pinned = smoothing_pb2.PinnedVertices
+        rows = [
+            (mesh, ["--pin-group", "rim", "--pin", "5,900"], "pinned_group=rim&pinned_vertices=5,900",
+             pinned(group="rim", vertices=[5, 900]), rim | {5, 900}),
+            (draco, ["--pin-attribute", 1, "--output-format", "obj"], "pinned_attribute=1&output=obj",
+             pinned(attribute="1"), chosen),
+        ]
+        before = [[float(x) for x in v.split()[1:4]] for v in vertices]
+        for source, arguments, query, options, expected in rows:
+            with self.subTest(query=query):
+                to_obj = smoothing_pb2.OutputOptions(format=smoothing_pb2.MESH_FORMAT_OBJ)
+                results = self.smooth_everywhere(source, arguments, query, {"pinned": options, "output": to_obj})
+                for name, result in results.items():
+                    self.assertEqual(result, results["local"], name)
+                after = [[float(x) for x in line.split()[1:4]] for line in results["local"].decode().splitlines()
+                         if line.startswith("v ")]
+                moved = [max(abs(a - b) for a, b in zip(*pair)) for pair in zip(before, after, strict=True)]
+                self.assertLess(max(moved[i] for i in expected), 1e-5)  # floats, in Draco
+                self.assertGreater(sum(m > 1e-3 for m in moved), len(moved) / 2)
+                answer = self.server.post(source, query).report
+                self.assertEqual(answer["pinnedVertices"], len(expected))
 
     def test_same_bytes_whatever_the_threads(self):
         results = []

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "core/io/estimate.h"
+#include "core/io/pins.h"
 #include "core/smooth/registry.h"
 
 namespace burnish::fuzz {
@@ -20,6 +21,15 @@ const RunControl kRun{};
 const Method& method_for(std::string_view bytes) {
   const auto all = methods();
   return all[bytes.size() % all.size()];
+}
+
+/// Names that a mesh may have or not.
+void pin(const Document& document, Surface& surface) {
+  for (const PinOptions& pins : {PinOptions{.vertices = {1}, .group = "a"}, PinOptions{.group = "default"},
+                                 PinOptions{.attribute = "1"}}) {
+    const auto pinned = pin_vertices(document, pins, surface, kRun);
+    if (!pinned && pinned.error().cause != Cause::BadOption) fail("pin", pinned.error().message);
+  }
 }
 
 void smooth(Surface& surface, const Method& method) {
@@ -58,6 +68,7 @@ void round_trip(std::string_view bytes, Format format) {
   auto surface = prepare_surface((*document)->positions(), (*document)->triangles(), kRun);
   if (!surface) fail("prepare", surface.error().message);
   const std::vector<Vec3f> before = surface->mesh.positions;
+  pin(**document, *surface);
   smooth(*surface, method_for(bytes));
   const MovedPositions moved{(*document)->positions(), surface->weld, before, surface->mesh.positions,
                              surface->mesh.frame};

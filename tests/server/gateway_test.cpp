@@ -49,6 +49,21 @@ TEST(Gateway, AnswersWithTheMeshAndItsReport) {
   EXPECT_EQ(response.body, direct.value().mesh) << "the transport must not change the mesh";
 }
 
+TEST(Gateway, PinsWhatTheQueryNames) {
+  House house;
+  const std::string mesh = "g tip\n" + small_mesh() + "g other\n";
+  const auto pinned = [&](std::multimap<std::string, std::string> query) {
+    const HttpResponse response = house.handle(smooth_request(mesh, std::move(query)));
+    EXPECT_EQ(response.status, 200) << response.body;
+    return json::parse(response.headers.at("burnish-report"))["pinnedVertices"].get<int>();
+  };
+  EXPECT_EQ(pinned({}), 0);
+  EXPECT_EQ(pinned({{"pinned_vertices", "7"}}), 1);
+  EXPECT_EQ(pinned({{"pinned_vertices", "0,7,41"}}), 3);
+  EXPECT_EQ(pinned({{"pinned_group", "tip"}}), 42);
+  EXPECT_EQ(pinned({{"pinned_group", "other"}, {"pinned_vertices", "1,2"}}), 2);
+}
+
 TEST(Gateway, WritesDracoWhenAsked) {
   House house;
   const HttpResponse response = house.handle(smooth_request(
@@ -102,6 +117,15 @@ TEST(Gateway, NamesTheQueryParameterThatIsWrong) {
       {{{"position_bits", "31"}}, Cause::BadOption, "position_bits"},
       {{{"speed", "11"}}, Cause::BadOption, "speed"},
       {{{"speed", ""}}, Cause::BadOption, "speed"},
+      {{{"pinned_vertices", ""}}, Cause::BadOption, "pinned_vertices"},
+      {{{"pinned_vertices", "1,2,"}}, Cause::BadOption, "pinned_vertices"},
+      {{{"pinned_vertices", "1, 2"}}, Cause::BadOption, "pinned_vertices"},
+      {{{"pinned_vertices", "4294967296"}}, Cause::BadOption, "pinned_vertices"},
+      {{{"pinned_vertices", "1"}, {"pinned_vertices", "2"}}, Cause::BadOption, "pinned_vertices"},
+      {{{"pinned_vertices", "0,99999"}}, Cause::BadOption, "pinned.vertices[1]"},
+      {{{"pinned_group", ""}}, Cause::BadOption, "pinned_group"},
+      {{{"pinned_group", "nobody"}}, Cause::BadOption, "pinned.group"},
+      {{{"pinned_attribute", "31"}}, Cause::BadOption, "pinned.attribute"},
   };
   House house;
   for (const Row& row : rows) {

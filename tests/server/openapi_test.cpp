@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -105,6 +106,22 @@ TEST(OpenApi, TakesLimitsAndMethodsFromTheServer) {
           << spec.name;
     }
   }
+}
+
+TEST(OpenApi, SaysHowToPin) {
+  const json& pinned = resolve(schema("SmoothOptions")["properties"]["pinned"]);
+  EXPECT_EQ(pinned["additionalProperties"], false);
+  EXPECT_EQ(pinned["properties"]["vertices"]["items"]["type"], "integer");
+  EXPECT_EQ(pinned["properties"]["group"]["type"], "string");
+  std::map<std::string, json> query;
+  for (const json& each : document()["paths"]["/v1/smooth"]["post"]["parameters"]) {
+    query[resolve(each)["name"].get<std::string>()] = resolve(each);
+  }
+  EXPECT_EQ(query.at("pinned_vertices")["schema"]["type"], "array");
+  EXPECT_EQ(query.at("pinned_vertices")["explode"], false) << "commas, not repetition";
+  EXPECT_EQ(query.at("pinned_group")["schema"]["type"], "string");
+  EXPECT_EQ(query.at("pinned_attribute")["schema"]["type"], "string");
+  EXPECT_TRUE(schema("SmoothReport")["properties"].contains("pinnedVertices"));
 }
 
 TEST(OpenApi, RequiresWhatAnswersAlwaysHold) {

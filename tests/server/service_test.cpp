@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+#include <sstream>
+
 #include "server/service/options.h"
 #include "server/service/smooth_service.h"
 #include "server/status_map.h"
@@ -188,6 +191,69 @@ TEST(SmoothService, StatesTheQuantisationErrorOfItsEncoding) {
   const double cell = 2.1 / 1023;
   EXPECT_GT(coarse->report.encoding().quantisation_error(), 0.2 * cell);
   EXPECT_LT(coarse->report.encoding().quantisation_error(), cell);
+}
+
+/// noisy() with the faces from the 100th on in the group "rim".
+std::string grouped() {
+  std::string text = noisy();
+  std::size_t at = 0;
+  for (int face = 0; face < 100; ++face) at = text.find("\nf ", at + 1);
+  return text.insert(at + 1, "g rim\n");
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(SmoothService, KeepsPinnedVerticesAndCountsThem) {
+  const std::string mesh = grouped();
+  SmoothJob job{.mesh = mesh};
+  job.options.mutable_pinned()->set_group("rim");
+  for (const std::uint32_t vertex : {0U, 17U, 0U}) job.options.mutable_pinned()->add_vertices(vertex);
+  const auto result = smooth(job);
+  ASSERT_TRUE(result) << result.error().message;
+  const auto before = lines_of(mesh), after = lines_of(result->mesh);
+  ASSERT_EQ(before.size(), after.size());
+  std::set<std::size_t> pinned = {0, 17};
+  for (auto line = std::ranges::find(before, "g rim") + 1; line != before.end(); ++line) {
+    std::istringstream face(line->substr(2));
+    for (std::size_t vertex = 0; face >> vertex;) pinned.insert(vertex - 1);
+  }
+  std::size_t v = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (!before[i].starts_with("v ")) continue;
+    EXPECT_EQ(before[i] == after[i], pinned.contains(v)) << v;
+    ++v;
+  }
+  EXPECT_EQ(v, 642U);
+  EXPECT_EQ(result->report.pinned_vertices(), pinned.size());
+  EXPECT_EQ(smooth({.mesh = mesh})->report.pinned_vertices(), 0U);
+}
+
+TEST(SmoothService, NamesThePinThatTheMeshDoesNotHave) {
+  struct Row {
+    std::function<void(v1::PinnedVertices&)> set;
+    const char *field, *says;
+  };
+  const Row rows[] = {
+      {[](auto& p) { p.add_vertices(0), p.add_vertices(642); }, "pinned.vertices[1]",
+       "is 642 but the mesh has 642"},
+      {[](auto& p) { p.set_group("Rim"); }, "pinned.group", R"(no group "Rim"; it has "default", "rim")"},
+      {[](auto& p) { p.set_attribute("1"); }, "pinned.attribute", "OBJ"},
+  };
+  const std::string mesh = grouped();
+  for (const Row& row : rows) {
+    SmoothJob job{.mesh = mesh};
+    row.set(*job.options.mutable_pinned());
+    const auto result = smooth(job);
+    ASSERT_FALSE(result) << row.field;
+    EXPECT_EQ(result.error().cause, Cause::BadOption);
+    EXPECT_EQ(result.error().field, row.field);
+    EXPECT_THAT(result.error().message, HasSubstr(row.says));
+  }
 }
 
 TEST(SmoothService, RefusesBadOptionsByNameBeforeItReadsTheMesh) {
