@@ -158,6 +158,22 @@ TEST(NearestTriangle, AgreesWithTryingAllForNeedlesFansAndOutliers) {
   expect_group_nearest(mesh, mesh.positions);
 }
 
+TEST(NearestTriangle, AgreesWithTryingAllForFlatTriangles) {
+  Mesh mesh;
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 40; ++i) {  // strips of triangles that are nearly lines, or are
+    const auto x = static_cast<float>(i), width = std::ldexp(1.0F, -i);
+    const auto first = static_cast<Index>(mesh.positions.size());
+    for (const Vec3f& p : {Vec3f{x, 0.1F, 0.3F}, Vec3f{x, 0.9F, -0.4F}, Vec3f{x + width, 0.37F, 0.0637F}}) {
+      mesh.positions.push_back(p);
+      points.push_back(p);
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    for (const float y : {0.2F, 0.5F, 0.8F}) points.push_back({x + width / 4, y, 0.3F - 0.875F * (y - 0.1F)});
+  }
+  expect_group_nearest(mesh, points);
+}
+
 TEST(NearestTriangle, GivesTheSameBitsForEveryVectorWidth) {
   const Surface s = surface_of(with_noise(sphere(4), 0.02));
   std::vector<nearest_group::Node> nodes(1 + 8);  // a tree of 64 triangles by hand
@@ -190,7 +206,8 @@ TEST(NearestTriangle, GivesTheSameBitsForEveryVectorWidth) {
 
 TEST(CurveOrder, TakesEveryPointOnceAndNearOnesTogether) {
   Surface s = surface_of(with_noise(sphere(4), 0.01));
-  std::vector<Vec3f> points = s.mesh.positions;
+  std::vector<Vec3f> points;
+  for (const Index v : shuffled(s.mesh.positions.size())) points.push_back(s.mesh.positions[v]);
   points.push_back({1e12F, 0, 0});  // the others must still be told apart
   const auto order = curve_order(points, {});
   EXPECT_EQ(std::set<Index>(order.begin(), order.end()).size(), points.size());

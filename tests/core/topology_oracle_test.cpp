@@ -144,6 +144,20 @@ TEST(TopologyOracle, AgreesForSurfacesWithTrianglesTurnedAndTakenAway) {
   }
 }
 
+TEST(TopologyOracle, AgreesForClosedFansThatMeetInAVertex) {
+  for (Index fans = 1; fans < 4; ++fans) {
+    for (Index size = 3; size < 7; ++size) {
+      std::vector<Triangle> triangles;
+      for (Index fan = 0; fan < fans; ++fan) {
+        const auto rim = [&](Index i) { return 1 + fan * size + i % size; };
+        for (Index i = 0; i < size; ++i) triangles.push_back({rim(i), rim(i + 1), 0});
+      }
+      const Index vertices = 1 + fans * size;
+      expect_plain_definitions(vertices, triangles, *build_topology(vertices, triangles, {}));
+    }
+  }
+}
+
 TEST(TopologyOracle, SeesEveryRepeatedTriangle) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     auto triangles = seed % 2 == 0 ? soup(12, 10, seed) : surface_of(sphere(1)).mesh.triangles;
