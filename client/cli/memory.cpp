@@ -14,11 +14,10 @@ void keep_memory() {
   mallopt(M_ARENA_MAX, 1);        // blocks are few and large: one heap for all threads
   // The heap grows by a stretch that nobody touches yet, asks for large pages in it, and has it for later.
   constexpr std::size_t kStretch = std::size_t{4} << 30, kLargePage = std::size_t{2} << 20;
-  void* const stretch = std::malloc(kStretch);
+  char* const stretch = static_cast<char*>(std::malloc(kStretch));
   if (stretch == nullptr) return;
-  const auto address = reinterpret_cast<std::uintptr_t>(stretch);
-  const std::uintptr_t first = (address + kLargePage - 1) / kLargePage * kLargePage;
-  madvise(reinterpret_cast<void*>(first), address + kStretch - first, MADV_HUGEPAGE);
+  const std::size_t skipped = kLargePage - reinterpret_cast<std::uintptr_t>(stretch) % kLargePage;
+  madvise(stretch + skipped, kStretch - skipped, MADV_HUGEPAGE);
   std::free(stretch);
 }
 

@@ -84,6 +84,7 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
     std::array<Vec3f, NearestTriangle::kGroup> points;
     std::array<double, NearestTriangle::kGroup> bounds;
     std::array<std::size_t, NearestTriangle::kGroup> vertices;
+    Index near = 0;
     for (std::size_t v = begin; v < end;) {
       if (run.stopped()) return;
       std::size_t count = 0;
@@ -91,12 +92,14 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
         if (surface.topology.vertex_faces[v].empty()) continue;
         if (count > 0 && length(to_double(positions[v] - points[0])) > wide) break;
         const Vec3d way = to_double(positions[v]) - to_double(others[partner[v]]);
-        const bool bounded = !reference.topology.vertex_faces[partner[v]].empty();
+        const auto faces = reference.topology.vertex_faces[partner[v]];
+        const bool bounded = !faces.empty();
+        if (bounded) near = faces.front();
         points[count] = positions[v];
         bounds[count] = bounded ? dot(way, way) : std::numeric_limits<double>::infinity();
         vertices[count++] = v;
       }
-      nearest.find_all(std::span(points).first(count), std::span(bounds).first(count));
+      nearest.find_all(std::span(points).first(count), std::span(bounds).first(count), near, run);
       for (std::size_t i = 0; i < count; ++i) squared[vertices[i]] = bounds[i];
     }
   });

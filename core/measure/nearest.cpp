@@ -189,16 +189,18 @@ NearestTriangle::Hit NearestTriangle::find(const Vec3f& p, Index start) const {
   }
 }
 
-void NearestTriangle::find_all(std::span<const Vec3f> points, std::span<double> squared) const {
+void NearestTriangle::find_all(std::span<const Vec3f> points, std::span<double> squared, Index start,
+                               const RunControl& run) const {
   const nearest_group::Tree tree{nodes_, first_triangle_, order_, triangles_, positions_};
   if (points.empty() || nearest_group::find()(tree, points, squared)) return;
+  if (run.stopped()) return;  // triangles that overlap make a query slow
   if (points.size() == 1) {
-    squared[0] = find(points[0], order_[0]).squared_distance;
+    squared[0] = find(points[0], start).squared_distance;
     return;
   }
   const std::size_t half = points.size() / 2;
-  find_all(points.first(half), squared.first(half));
-  find_all(points.subspan(half), squared.subspan(half));
+  find_all(points.first(half), squared.first(half), start, run);
+  find_all(points.subspan(half), squared.subspan(half), start, run);
 }
 
 }  // namespace burnish

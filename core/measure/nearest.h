@@ -37,8 +37,10 @@ class NearestTriangle {
   static constexpr std::size_t kGroup = 16;
   /// The same for kGroup points or fewer that lie together: one walk through the hierarchy finds the
   /// triangles near any of them. `squared` holds, for each point, a squared distance within which a triangle
-  /// is known to be, and becomes the squared distance of the nearest.
-  void find_all(std::span<const Vec3f> points, std::span<double> squared) const;
+  /// is known to be, and becomes the squared distance of the nearest. `start` is for when the points lie too
+  /// wide. When stopped, the distances mean nothing.
+  void find_all(std::span<const Vec3f> points, std::span<double> squared, Index start,
+                const RunControl& run) const;
 
  private:
   struct Box;

@@ -129,7 +129,7 @@ void expect_group_nearest(const Mesh& mesh, std::span<const Vec3f> points) {
       squared.push_back(bound);
       best.push_back(least);
     }
-    nearest->find_all(group, squared);
+    nearest->find_all(group, squared, 0, {});
     EXPECT_EQ(squared, best) << mesh.triangles.size() << " triangles, points from " << first;
   }
 }
