@@ -144,7 +144,7 @@ bool keep_triangles(std::span<const Triangle> triangles, const RunControl& run, 
       const Triangle t{surface.weld[a], surface.weld[b], surface.weld[c]};
       kept[i] = t;
       source[i] = static_cast<Index>(i);
-      count += (t[0] == t[1]) | (t[1] == t[2]) | (t[2] == t[0]);
+      count += static_cast<std::uint32_t>(t[0] == t[1] || t[1] == t[2] || t[2] == t[0]);
     }
     degenerate[begin / kBlockSize] = count;
   });
