@@ -43,6 +43,7 @@ constexpr double kArctangents[] = {0.0,
 // The nearest sixteenth takes most of the angle; of the rest, below 1/32, six terms of the series reach
 // double accuracy.
 double arctangent_up_to_one(double t) {
+  if (std::isnan(t)) return t;  // of two infinities: it has no place in the table
   const auto nearest = static_cast<std::size_t>(t * 16 + 0.5);
   const double sixteenths = static_cast<double>(nearest) / 16;
   const double rest = (t - sixteenths) / (1 + t * sixteenths), s = rest * rest;
@@ -57,6 +58,7 @@ double portable_exp(double x) {
   constexpr double kLog2E = 1.44269504088896340736;
   constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
   constexpr double kRound = 0x1.8p52;  // adding and taking it away again rounds to a whole number
+  if (std::isnan(x)) return x;         // no whole number is near it
   x = std::clamp(x, -700.0, 700.0);
   const double k = (x * kLog2E + kRound) - kRound;
   const double r = (x - k * kLn2High) - k * kLn2Low;  // |r| <= ln(2) / 2

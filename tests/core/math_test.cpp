@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace burnish {
 namespace {
@@ -51,6 +52,15 @@ TEST(PortableCos, KnowsItsCorners) {
   EXPECT_EQ(portable_cos(kPi), -1);
   EXPECT_NEAR(portable_cos(kPi / 2), 0, 1e-16);
   EXPECT_EQ(portable_cos(-2), portable_cos(2));
+}
+
+TEST(PortableMath, AnswersNoNumberWithNoNumber) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN(),
+                   kFar = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isnan(portable_exp(kNone)));
+  EXPECT_TRUE(std::isnan(portable_angle(kNone, 1)));
+  EXPECT_TRUE(std::isnan(portable_angle(1, kNone)));
+  EXPECT_TRUE(std::isnan(portable_angle(kFar, kFar)));
 }
 
 }  // namespace
