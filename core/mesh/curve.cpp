@@ -31,13 +31,13 @@ class CurveSort {
  public:
   CurveSort(std::span<const Vec3f> points, const RunControl& run) : points_(points), run_(run) {
     items_.resize(points.size());
-    for (std::size_t i = 0; i < items_.size(); ++i) items_[i].point = static_cast<Index>(i);
+    for_each(items_.size(), run_, [&](std::size_t i) { items_[i].point = static_cast<Index>(i); });
   }
 
   std::vector<Index> sorted() {
-    sort(0, items_.size());
+    if (!run_.stopped()) sort(0, items_.size());
     std::vector<Index> order(items_.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = items_[i].point;
+    for_each(order.size(), run_, [&](std::size_t i) { order[i] = items_[i].point; });
     return order;
   }
 
@@ -89,16 +89,18 @@ class CurveSort {
   void sort_by_digits(std::size_t begin, std::size_t end) {
     spare_.resize(items_.size());
     std::array<std::array<Index, kBuckets>, 3> starts{};
-    for (std::size_t i = begin; i < end; ++i) {
+    const RunControl alone = run_.on_one_thread();
+    for_each(end - begin, alone, [&](std::size_t i) {
       for (std::size_t digit = 0; digit < 3; ++digit)
-        ++starts[digit][items_[i].cell >> kBits * digit & (kBuckets - 1)];
-    }
+        ++starts[digit][items_[begin + i].cell >> kBits * digit & (kBuckets - 1)];
+    });
     for (std::size_t digit = 0; digit < 3; ++digit) {
       auto& next = starts[digit];
       std::exclusive_scan(next.begin(), next.end(), next.begin(), static_cast<Index>(begin));
-      for (std::size_t i = begin; i < end; ++i) {
-        spare_[next[items_[i].cell >> kBits * digit & (kBuckets - 1)]++] = items_[i];
-      }
+      for_each(end - begin, alone, [&](std::size_t i) {
+        const Placed item = items_[begin + i];
+        spare_[next[item.cell >> kBits * digit & (kBuckets - 1)]++] = item;
+      });
       items_.swap(spare_);
     }
     // An odd number of turns: what this range holds is in the other array now, and the rest must follow.

@@ -18,34 +18,41 @@ constexpr std::size_t kSmall = 8192;
 constexpr double kNear = 1024;
 
 /// How far a pass over the triangles jumps: within them, and from each to the next.
-double mean_jump(std::span<const Triangle> triangles) {
-  std::uint64_t sum = 0;
-  Index last = 0;
-  for (const auto [a, b, c] : triangles) {
-    const Index low = std::min(std::min(a, b), c), high = std::max(std::max(a, b), c);
-    sum += std::uint64_t{high - low} + (std::max(low, last) - std::min(low, last));
-    last = low;
-  }
-  return static_cast<double>(sum) / static_cast<double>(triangles.size());
+double mean_jump(std::span<const Triangle> triangles, const RunControl& run) {
+  const auto lowest = [](const Triangle& t) { return std::min(std::min(t[0], t[1]), t[2]); };
+  const double sum = parallel_sum(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t jumps = 0;
+    Index last = lowest(triangles[begin > 0 ? begin - 1 : 0]);
+    for (const Triangle& t : triangles.subspan(begin, end - begin)) {
+      const Index low = lowest(t), high = std::max(std::max(t[0], t[1]), t[2]);
+      jumps += std::uint64_t{high - low} + (std::max(low, last) - std::min(low, last));
+      last = low;
+    }
+    return static_cast<double>(jumps);
+  });
+  return sum / static_cast<double>(triangles.size());
 }
 
 template <class Item>
-void permute(std::vector<Item>& items, std::span<const Index> order) {
+bool permute(std::vector<Item>& items, std::span<const Index> order, const RunControl& run) {
   std::vector<Item> moved(items.size());
-  for (std::size_t i = 0; i < order.size(); ++i) moved[i] = items[order[i]];
+  const bool done = for_each(order.size(), run, [&](std::size_t i) { moved[i] = items[order[i]]; });
   items = std::move(moved);
+  return done;
 }
 
-/// Triangles by their lowest vertex, by counting.
-std::vector<Index> by_first_vertex(std::span<const Triangle> triangles, std::size_t vertices) {
+/// Triangles by their lowest vertex, by counting. Cut short when stopped.
+std::vector<Index> by_first_vertex(std::span<const Triangle> triangles, std::size_t vertices,
+                                   const RunControl& run) {
   std::vector<Index> starts(vertices + 1), order(triangles.size());
   const auto first = [&](std::size_t t) {
     const auto [a, b, c] = triangles[t];
     return std::min(std::min(a, b), c);
   };
-  for (std::size_t t = 0; t < triangles.size(); ++t) ++starts[first(t) + 1];
+  const auto alone = run.on_one_thread();
+  for_each(triangles.size(), alone, [&](std::size_t t) { ++starts[first(t) + 1]; });
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
-  for (std::size_t t = 0; t < triangles.size(); ++t) order[starts[first(t)]++] = static_cast<Index>(t);
+  for_each(triangles.size(), alone, [&](std::size_t t) { order[starts[first(t)]++] = static_cast<Index>(t); });
   return order;
 }
 
@@ -53,19 +60,22 @@ std::vector<Index> by_first_vertex(std::span<const Triangle> triangles, std::siz
 
 bool order_for_cache(Surface& surface, const RunControl& run) {
   Mesh& mesh = surface.mesh;
-  if (mesh.positions.size() <= kSmall || mean_jump(mesh.triangles) <= kNear) return !run.stopped();
+  if (mesh.positions.size() <= kSmall || mean_jump(mesh.triangles, run) <= kNear) return !run.stopped();
   const auto order = curve_order(mesh.positions, run);
   if (run.stopped()) return false;
   std::vector<Index> place(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<Index>(i);
-  permute(mesh.positions, order);
-  for (Index& v : surface.weld) v = place[v];
-  for (Triangle& t : mesh.triangles) t = {place[t[0]], place[t[1]], place[t[2]]};
-  if (run.stopped()) return false;
-  const auto triangles = by_first_vertex(mesh.triangles, mesh.positions.size());
-  permute(mesh.triangles, triangles);
-  permute(surface.source_triangle, triangles);
-  return !run.stopped();
+  if (!for_each(order.size(), run, [&](std::size_t i) { place[order[i]] = static_cast<Index>(i); }) ||
+      !permute(mesh.positions, order, run) ||
+      !for_each(surface.weld.size(), run, [&](std::size_t v) { surface.weld[v] = place[surface.weld[v]]; }) ||
+      !for_each(mesh.triangles.size(), run, [&](std::size_t i) {
+        Triangle& t = mesh.triangles[i];
+        t = {place[t[0]], place[t[1]], place[t[2]]};
+      })) {
+    return false;
+  }
+  const auto triangles = by_first_vertex(mesh.triangles, mesh.positions.size(), run);
+  return !run.stopped() && permute(mesh.triangles, triangles, run) &&
+         permute(surface.source_triangle, triangles, run);
 }
 
 }  // namespace burnish

@@ -111,7 +111,7 @@ bool weld_positions(std::span<const Vec3d> positions, const RunControl& run, Sur
       [&](Index a, Index b) { return positions[a] == positions[b]; });
   if (!found) return false;
   kept.reserve(positions.size());
-  for (std::size_t v = 0; v < positions.size(); ++v) {
+  return for_each(positions.size(), run.on_one_thread(), [&](std::size_t v) {
     if (weld[v] == v) {
       weld[v] = static_cast<Index>(kept.size());
       kept.push_back(static_cast<Index>(v));
@@ -119,8 +119,7 @@ bool weld_positions(std::span<const Vec3d> positions, const RunControl& run, Sur
       weld[v] = weld[weld[v]];
       ++surface.welded_vertices;
     }
-  }
-  return true;
+  });
 }
 
 Triangle sorted(Triangle t) {

@@ -290,12 +290,12 @@ std::uint32_t count_components(const Topology& topology, const RunControl& run) 
   const std::size_t vertices = topology.vertex_flags.size();
   std::vector<Index> parent(vertices);
   std::uint32_t trees = 0;
-  for (Index v = 0; v < vertices; ++v) {
+  for_each(vertices, run.on_one_thread(), [&](std::size_t v) {
     const auto row = topology.vertex_neighbours[v];
     const bool root = row.empty() || row.front() > v;
-    parent[v] = root ? v : parent[row.front()];
+    parent[v] = root ? static_cast<Index>(v) : parent[row.front()];
     trees += root && !row.empty();
-  }
+  });
   const auto root_of = [&](Index v) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <memory>
+#include <map>
 #include <vector>
 
 namespace burnish {
@@ -15,6 +15,18 @@ std::size_t thread_count(const RunControl& run) {
   const int cores = tbb::info::default_concurrency();  // oneTBB warns on stderr about arenas with more
   return static_cast<std::size_t>(run.threads == 0 ? cores : std::min(cores, static_cast<int>(run.threads)));
 }
+
+namespace {
+
+/// One arena per calling thread and number of threads: its workers wait in it for the next loop for a while,
+/// where those of a new arena would have to be called together again. With 80 us of work for one thread in a
+/// loop, two take 47 us this way, and 90 with a new arena each time.
+tbb::task_arena& arena_of(std::size_t threads) {
+  thread_local std::map<std::size_t, tbb::task_arena> arenas;
+  return arenas.try_emplace(threads, static_cast<int>(threads)).first->second;
+}
+
+}  // namespace
 
 namespace detail {
 
@@ -32,8 +44,7 @@ bool run_blocks(std::size_t count, std::size_t block_size, const RunControl& run
     return !run.stopped();
   }
   std::atomic<bool> stopped = false;
-  tbb::task_arena arena(static_cast<int>(thread_count(run)));
-  arena.execute([&] {
+  arena_of(thread_count(run)).execute([&] {
     tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
       if (stopped.load(std::memory_order_relaxed)) return;
       if (run.stopped()) {

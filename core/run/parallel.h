@@ -33,6 +33,14 @@ bool parallel_for(std::size_t count, const RunControl& run, Body&& body) {
       const_cast<void*>(static_cast<const void*>(std::addressof(body))));
 }
 
+/// Calls body(item) for every item of [0, count), as parallel_for does. False when stopped half-way.
+template <class Body>
+bool for_each(std::size_t count, const RunControl& run, Body&& body) {
+  return parallel_for(count, run, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
 /// Calls body(task) for every task of [0, tasks), each large enough for a thread. Tasks ask run.stopped()
 /// themselves. False when stopped.
 template <class Body>

@@ -26,6 +26,13 @@ struct RunControl {
 
   bool stopped() const noexcept { return stop.stop_requested() || (deadline && Clock::now() >= *deadline); }
 
+  /// The same job on one thread: for loops whose steps depend on each other.
+  RunControl on_one_thread() const {
+    RunControl run = *this;
+    run.threads = 1;
+    return run;
+  }
+
   /// Why stopped() is true: Cancelled before DeadlineExceeded when both hold.
   Error stop_error() const {
     if (stop.stop_requested()) return {Cause::Cancelled, "the caller cancelled the job"};

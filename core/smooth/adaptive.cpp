@@ -213,7 +213,7 @@ double offset_coefficient(const AdaptiveParams& params, double x) {
 
 Result<SmoothOutcome> smooth_adaptive(Surface& surface, const AdaptiveParams& params,
                                       const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   Adaptive adaptive(surface, params, constraints.movable(), run);
   return iterate(
       surface, constraints, options, run,

@@ -22,7 +22,7 @@ std::vector<std::uint8_t> bending(const Topology& topology, std::span<const std:
 
 Result<SmoothOutcome> smooth_bilaplacian(Surface& surface, const BilaplacianParams& params,
                                          const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   const std::vector<std::uint8_t> bends = bending(surface.topology, constraints.movable());
   const UmbrellaStep first(surface, bends), second(surface, constraints.movable());
   const float root = static_cast<float>(std::sqrt(params.lambda));

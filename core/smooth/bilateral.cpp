@@ -114,7 +114,7 @@ class Bilateral {
 
 Result<SmoothOutcome> smooth_bilateral(Surface& surface, const BilateralParams& params,
                                        const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   const Bilateral bilateral(surface, params, constraints.movable());
   return iterate(surface, constraints, options, run,
                  {.move = [&](auto from, auto to, std::size_t begin, std::size_t end) {

@@ -9,7 +9,7 @@ namespace burnish {
 
 Result<SmoothOutcome> smooth_bilateral_normals(Surface& surface, const BilateralNormalsParams& params,
                                                const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   Faces faces(surface, params.neighbourhood, run);
   const BilateralWidths widths{.sigma_c = params.sigma_c, .sigma_s = params.sigma_s};
   std::optional<BilateralSystem> system;

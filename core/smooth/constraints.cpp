@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/run/math.h"
+#include "core/run/parallel.h"
 
 namespace burnish {
 namespace {
@@ -46,21 +47,23 @@ Vec3d area_normal(std::span<const Vec3f> positions, const Triangle& t) {
 
 }  // namespace
 
-Constraints::Constraints(const Surface& surface, const ConstraintOptions& options)
+Constraints::Constraints(const Surface& surface, const ConstraintOptions& options, const RunControl& run)
     : home_(surface.mesh.positions),
       movable_(home_.size()),
       limit_(std::max(0.0, options.max_displacement - kTextSlack)),
       limited_(options.max_displacement > 0) {
   int stays = kIsolatedVertex | kNonManifoldVertex;
   if (options.boundary == BoundaryRule::Fixed) stays |= kBoundaryVertex;
-  for (std::size_t v = 0; v < movable_.size(); ++v) {
-    const bool pinned = !surface.pinned.empty() && surface.pinned[v] != 0;
-    movable_[v] = !pinned && (surface.topology.vertex_flags[v] & stays) == 0;
-  }
-  if (options.lock_features > 0) lock(surface, options.lock_features);
+  parallel_for(movable_.size(), run, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const bool pinned = !surface.pinned.empty() && surface.pinned[v] != 0;
+      movable_[v] = !pinned && (surface.topology.vertex_flags[v] & stays) == 0;
+    }
+  });
+  if (options.lock_features > 0) lock(surface, options.lock_features, run);
 }
 
-void Constraints::lock(const Surface& surface, double degrees) {
+void Constraints::lock(const Surface& surface, double degrees, const RunControl& run) {
   rails_.assign(home_.size(), {kNone, kNone});
   std::vector<std::uint8_t> sharp_edges(home_.size());
   const auto add = [&](Index from, Index to) {
@@ -69,6 +72,7 @@ void Constraints::lock(const Surface& surface, double degrees) {
   };
   const auto& triangles = surface.mesh.triangles;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (t % kBlockSize == 0 && run.stopped()) return;
     for (std::size_t side = 0; side < 3; ++side) {
       const Index across = surface.topology.face_neighbours[t][side];
       if (across == kNone || across < t) continue;

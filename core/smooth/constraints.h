@@ -24,10 +24,11 @@ struct ConstraintOptions {
   double lock_features = 0;
 };
 
-/// Built once per run from the mesh as it came. Thread-safe.
+/// Built once per run from the mesh as it came, whose positions must stay as they are meanwhile. Thread-safe.
 class Constraints {
  public:
-  Constraints(const Surface& surface, const ConstraintOptions& options);
+  /// When `run` stops it half-way, nothing is movable in what was not looked at.
+  Constraints(const Surface& surface, const ConstraintOptions& options, const RunControl& run = {});
 
   /// Per vertex, 1 when a method may move it: not isolated, not non-manifold, not pinned, not on a fixed
   /// boundary, not where sharp edges meet or end.
@@ -40,10 +41,10 @@ class Constraints {
  private:
   using Edge = std::array<Index, 2>;
 
-  void lock(const Surface& surface, double degrees);
+  void lock(const Surface& surface, double degrees, const RunControl& run);
   Vec3f slide(std::size_t vertex, const Vec3f& p) const;
 
-  std::vector<Vec3f> home_;
+  std::span<const Vec3f> home_;
   std::vector<std::uint8_t> movable_;
   std::vector<Edge> rails_;  ///< the far ends of the sharp edges of a vertex that slides; empty: none slides
   double limit_ = 0;

@@ -23,7 +23,7 @@ SimdVec3 filtered_normal(const Faces& faces, std::size_t f, float threshold) {
 
 Result<SmoothOutcome> smooth_fast_effective(Surface& surface, const FastEffectiveParams& params,
                                             const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   Faces faces(surface, params.neighbourhood, run);
   const float threshold = static_cast<float>(params.threshold);
   bool filtered = false;

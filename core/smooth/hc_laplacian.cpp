@@ -50,7 +50,7 @@ class HcLaplacian {
 
 Result<SmoothOutcome> smooth_hc_laplacian(Surface& surface, const HcLaplacianParams& params,
                                           const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   HcLaplacian hc(surface, params, constraints.movable());
   return iterate(surface, constraints, options, run,
                  {.prepare =

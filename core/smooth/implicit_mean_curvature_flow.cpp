@@ -67,7 +67,7 @@ Result<SmoothOutcome> smooth_implicit_mean_curvature_flow(Surface& surface,
                                                           const ImplicitMeanCurvatureFlowParams& params,
                                                           const IterationOptions& options,
                                                           const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   ImplicitFlow flow(surface, params, constraints.movable(), run);
   return iterate_system(surface, constraints, options, run, flow.system(),
                         [&](auto from) { return flow.prepare(from); });

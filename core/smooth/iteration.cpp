@@ -65,7 +65,10 @@ IterationOptions iteration_options(const ParameterValues& values, const Surface&
 Result<SmoothOutcome> iterate(Surface& surface, const Constraints& constraints,
                               const IterationOptions& options, const RunControl& run, const Passes& passes) {
   std::vector<Vec3f>& home = surface.mesh.positions;
-  std::vector<SimdVec3> from(home.begin(), home.end()), to = from;
+  std::vector<SimdVec3> from(home.size()), to(home.size());
+  parallel_for(home.size(), run, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) from[v] = to[v] = SimdVec3(home[v]);
+  });
   SmoothOutcome outcome;
   for (; outcome.iterations < options.iterations; ++outcome.iterations) {
     if (passes.prepare && !passes.prepare(from)) return run.stop_error();
@@ -89,7 +92,10 @@ Result<SmoothOutcome> iterate(Surface& surface, const Constraints& constraints,
   if (options.preserve_volume && !restore_volume(surface, constraints, from, run, outcome.warnings)) {
     return run.stop_error();
   }
-  std::ranges::transform(from, home.begin(), &SimdVec3::vec3);
+  // Not to be stopped: half of the positions would be new ones.
+  parallel_for(home.size(), {.threads = run.threads}, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) home[v] = from[v].vec3();
+  });
   return outcome;
 }
 

@@ -7,17 +7,18 @@ namespace burnish {
 namespace {
 
 /// The caller's constraints, and the method's bound on the distance to the input.
-Constraints bounded(const Surface& surface, ConstraintOptions options, double distance) {
+Constraints bounded(const Surface& surface, ConstraintOptions options, double distance,
+                    const RunControl& run) {
   const double bound = distance * surface.mean_edge;
   if (options.max_displacement == 0 || options.max_displacement > bound) options.max_displacement = bound;
-  return {surface, options};
+  return {surface, options, run};
 }
 
 }  // namespace
 
 Result<SmoothOutcome> smooth_joint_bilateral(Surface& surface, const JointBilateralParams& params,
                                              const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints = bounded(surface, options.constraints, params.distance);
+  const Constraints constraints = bounded(surface, options.constraints, params.distance, run);
   Faces faces(surface, FaceNeighbourhood::Vertices, run);
   std::vector<SimdVec3> guide(faces.size());
   const auto filter = [&](std::span<const SimdVec3> from) {

@@ -7,7 +7,7 @@ namespace burnish {
 
 Result<SmoothOutcome> smooth_laplacian(Surface& surface, const LaplacianParams& params,
                                        const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   const float lambda = static_cast<float>(params.lambda);
   const UmbrellaStep step(surface, constraints.movable(), run);
   return iterate(

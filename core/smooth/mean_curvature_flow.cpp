@@ -32,7 +32,7 @@ SimdVec3 flow_step(const Surface& surface, std::span<const FaceWeights> weights,
 
 Result<SmoothOutcome> smooth_mean_curvature_flow(Surface& surface, const MeanCurvatureFlowParams& params,
                                                  const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   const auto movable = constraints.movable();
   const float time_step = static_cast<float>(params.time_step * surface.mean_edge * surface.mean_edge);
   const float largest = static_cast<float>(params.largest_cotangent);

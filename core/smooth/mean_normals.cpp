@@ -6,7 +6,7 @@ namespace burnish {
 
 Result<SmoothOutcome> smooth_mean_normals(Surface& surface, const MeanNormalsParams& params,
                                           const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   Faces faces(surface, params.neighbourhood, run);
   const auto filter = [&](std::span<const SimdVec3> from) {
     return faces.measure(from) && faces.filter([&](std::size_t f) { return faces.mean_of_neighbours(f); });

@@ -52,7 +52,7 @@ bool filter(Faces& faces, float edge_weight) {
 
 Result<SmoothOutcome> smooth_median_normals(Surface& surface, const MedianNormalsParams& params,
                                             const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   Faces faces(surface, FaceNeighbourhood::Vertices, run);
   const float edge_weight = static_cast<float>(params.edge_weight);
   return iterate_normals(

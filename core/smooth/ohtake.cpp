@@ -7,7 +7,7 @@ namespace burnish {
 
 Result<SmoothOutcome> smooth_ohtake(Surface& surface, const OhtakeParams& params,
                                     const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   Faces faces(surface, params.neighbourhood, run);
   const float per_squared_bending = gaussian_factor(params.curvature / surface.mean_edge);
   const auto diffuse = [&] {

@@ -8,7 +8,7 @@ namespace burnish {
 
 Result<SmoothOutcome> smooth_taubin(Surface& surface, const TaubinParams& params,
                                     const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   const UmbrellaStep step(surface, constraints.movable(), run);
   const float lambda = static_cast<float>(params.lambda), mu = static_cast<float>(params.mu);
   std::vector<SimdVec3> shrunk(surface.mesh.positions.begin(), surface.mesh.positions.end());

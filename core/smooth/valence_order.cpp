@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace burnish {
 
@@ -13,26 +14,31 @@ ValenceOrder::ValenceOrder(const Topology& topology, std::span<const std::uint8_
     const bool regular = valence >= kLeast && valence <= kMost && !topology.has(v, kBoundaryVertex);
     return regular ? valence : kOther;
   };
-  std::size_t placed = 0, rows = 0;
-  for (std::size_t begin = 0; begin < movable.size(); begin += kBlockSize) {
-    first_group_.push_back(groups_.size());
-    const std::size_t end = std::min(movable.size(), begin + kBlockSize);
-    std::array<std::size_t, kMost + 1> next{};
+  const std::size_t blocks = (movable.size() + kBlockSize - 1) / kBlockSize;
+  std::vector<std::array<std::uint32_t, kMost + 1>> next(blocks);  // how many of each valence, then where
+  parallel_for(movable.size(), run, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      if (movable[v] != 0) ++next[group_of(static_cast<Index>(v))];
+      if (movable[v] != 0) ++next[begin / kBlockSize][group_of(static_cast<Index>(v))];
     }
-    for (std::size_t valence = 0; valence < next.size(); ++valence) {
-      const std::size_t count = next[valence];
-      next[valence] = placed;
+  });
+  std::size_t placed = 0, rows = 0;
+  for (auto& of_block : next) {
+    first_group_.push_back(groups_.size());
+    for (std::size_t valence = 0; valence < of_block.size(); ++valence) {
+      const std::size_t count = std::exchange(of_block[valence], static_cast<std::uint32_t>(placed));
       if (count > 0) groups_.push_back({valence, placed, placed + count, rows});
       placed += count;
       rows += count * valence;
     }
-    for (std::size_t v = begin; v < end; ++v) {
-      if (movable[v] != 0) order_[next[group_of(static_cast<Index>(v))]++] = static_cast<Index>(v);
-    }
   }
   first_group_.push_back(groups_.size());
+  parallel_for(movable.size(), run, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      if (movable[v] != 0) {
+        order_[next[begin / kBlockSize][group_of(static_cast<Index>(v))]++] = static_cast<Index>(v);
+      }
+    }
+  });
 
   const auto copy = [&](const IndexRows& from, std::vector<std::uint32_t>& to) {
     to.resize(rows);

@@ -81,7 +81,7 @@ class WeightedLeastSquares {
 Result<SmoothOutcome> smooth_weighted_least_squares(Surface& surface,
                                                     const WeightedLeastSquaresParams& params,
                                                     const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   WeightedLeastSquares least_squares(surface, params, constraints.movable(), run);
   return iterate_system(surface, constraints, options, run, least_squares.system(),
                         [&](auto from) { return least_squares.prepare(from); });

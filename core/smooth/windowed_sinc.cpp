@@ -120,7 +120,7 @@ class Polynomial {
 
 Result<SmoothOutcome> smooth_windowed_sinc(Surface& surface, const WindowedSincParams& params,
                                            const IterationOptions& options, const RunControl& run) {
-  const Constraints constraints(surface, options.constraints);
+  const Constraints constraints(surface, options.constraints, run);
   const std::vector<double> c = coefficients(params, options.iterations);
   Polynomial polynomial(surface, constraints.movable(), c);
   return iterate(

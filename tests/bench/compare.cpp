@@ -2,6 +2,8 @@
 //   compare MESH.obj [LEVELS=3]
 // Prints nanoseconds per vertex and iteration (the least of a few runs) and the ratios to our laplacian; then
 // two threads against one, and the share of a triad's memory bandwidth that laplacian reaches with them.
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -137,6 +139,9 @@ void compare(const Shape& shape) {
 }  // namespace burnish::bench
 
 int main(int count, char** arguments) {
+  // For all alike: a library's memory comes again for its next run, and the kernel's time for it is left out.
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
   if (count < 2) {
     std::fprintf(stderr, "usage: compare MESH.obj [LEVELS=3]\n");
     return 2;
