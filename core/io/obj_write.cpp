@@ -108,12 +108,13 @@ void append_corner(std::string& out, Index vertex, Index texture, Index normal) 
   append_integer(out, normal + 1);
 }
 
-std::string joined(std::vector<std::string> parts) {
+/// Cut short when stopped.
+std::string joined(std::vector<std::string> parts, const RunControl& run) {
   std::string all = std::move(parts.front());
   std::size_t size = 0;
   for (const std::string& part : parts) size += part.size();
   all.reserve(all.size() + size);
-  for (std::size_t i = 1; i < parts.size(); ++i) {
+  for (std::size_t i = 1; i < parts.size() && !run.stopped(); ++i) {
     all += parts[i];
     parts[i] = {};
   }
@@ -166,7 +167,8 @@ Result<Encoded> ObjDocument::encode_same(const MovedPositions& moved, const Outp
   if (!done) return run.stop_error();
   Encoded encoded;
   if (any_moved) encoded.quantisation_error = coordinates.largest_error();
-  encoded.bytes = joined(std::move(written));
+  encoded.bytes = joined(std::move(written), run);
+  if (run.stopped()) return run.stop_error();
   return encoded;
 }
 

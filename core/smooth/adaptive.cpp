@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/run/buffer.h"
 #include "core/run/math.h"
 #include "core/run/parallel.h"
 #include "core/smooth/adaptive_kernels.h"
@@ -190,9 +191,9 @@ class Adaptive {
   ValenceOrder order_;
   const bool as_printed_ = params_.normals == AdaptiveParams::Normals::Raw &&
                            params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges;
-  std::vector<Wings> wings_;       ///< of every triangle, when Eq. 1 is as printed
-  std::vector<Row> area_normals_;  ///< of every triangle, when something else asks for them
-  std::vector<Row> planes_;
+  Buffer<Wings> wings_;       ///< of every triangle, when Eq. 1 is as printed
+  Buffer<Row> area_normals_;  ///< of every triangle, when something else asks for them
+  Buffer<Row> planes_;
   double per_squared_scale_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "core/run/buffer.h"
 #include "core/run/parallel.h"
 #include "core/smooth/volume.h"
 
@@ -65,10 +66,10 @@ IterationOptions iteration_options(const ParameterValues& values, const Surface&
 Result<SmoothOutcome> iterate(Surface& surface, const Constraints& constraints,
                               const IterationOptions& options, const RunControl& run, const Passes& passes) {
   std::vector<Vec3f>& home = surface.mesh.positions;
-  std::vector<SimdVec3> from(home.size()), to(home.size());
-  parallel_for(home.size(), run, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) from[v] = to[v] = SimdVec3(home[v]);
-  });
+  Buffer<SimdVec3> from(home.size()), to(home.size());
+  if (!for_each(home.size(), run, [&](std::size_t v) { from[v] = to[v] = SimdVec3(home[v]); })) {
+    return run.stop_error();
+  }
   SmoothOutcome outcome;
   for (; outcome.iterations < options.iterations; ++outcome.iterations) {
     if (passes.prepare && !passes.prepare(from)) return run.stop_error();
@@ -93,9 +94,7 @@ Result<SmoothOutcome> iterate(Surface& surface, const Constraints& constraints,
     return run.stop_error();
   }
   // Not to be stopped: half of the positions would be new ones.
-  parallel_for(home.size(), {.threads = run.threads}, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) home[v] = from[v].vec3();
-  });
+  for_each(home.size(), {.threads = run.threads}, [&](std::size_t v) { home[v] = from[v].vec3(); });
   return outcome;
 }
 

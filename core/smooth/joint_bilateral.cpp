@@ -20,7 +20,7 @@ Result<SmoothOutcome> smooth_joint_bilateral(Surface& surface, const JointBilate
                                              const IterationOptions& options, const RunControl& run) {
   const Constraints constraints = bounded(surface, options.constraints, params.distance, run);
   Faces faces(surface, FaceNeighbourhood::Vertices, run);
-  std::vector<SimdVec3> guide(faces.size());
+  Buffer<SimdVec3> guide(faces.size());
   const auto filter = [&](std::span<const SimdVec3> from) {
     if (!faces.measure(from)) return false;
     std::ranges::copy(faces.normals(), guide.begin());

@@ -19,6 +19,7 @@ std::vector<float> orientations(const Surface& surface, const RunControl& run) {
     orientation[seed] = 1;
     double balance = 0;
     for (std::size_t i = 0; i < part.size(); ++i) {
+      if (i % kBlockSize == 0 && run.stopped()) return orientation;
       const Index f = part[i];
       balance += orientation[f];
       for (std::size_t side = 0; side < 3; ++side) {

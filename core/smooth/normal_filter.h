@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/run/buffer.h"
 #include "core/run/parallel.h"
 #include "core/smooth/iteration.h"
 #include "core/smooth/umbrella.h"
@@ -63,7 +64,7 @@ class Faces {
   std::size_t size() const { return normals_.size(); }
   std::span<const SimdVec3> normals() const { return normals_; }
   /// For a filter that needs two fields of normals; `other` has as many entries.
-  void swap_normals(std::vector<SimdVec3>& other) { normals_.swap(other); }
+  void swap_normals(Buffer<SimdVec3>& other) { normals_.swap(other); }
   SimdVec3 normal(std::size_t f) const { return normals_[f]; }
   SimdVec3 centroid(std::size_t f) const { return centroids_[f]; }
   float twice_area(std::size_t f) const { return twice_areas_[f]; }
@@ -150,9 +151,9 @@ class Faces {
   const Surface& surface_;
   const FaceNeighbourhood neighbourhood_;
   const RunControl& run_;
-  std::vector<float> orientation_;  // 1 or -1 per face; empty: all 1
-  std::vector<SimdVec3> normals_, next_normals_, centroids_;
-  std::vector<float> twice_areas_;
+  std::vector<float> orientation_;                       // 1 or -1 per face; empty: all 1
+  Buffer<SimdVec3> normals_, next_normals_, centroids_;  // filled by measure()
+  Buffer<float> twice_areas_;
 };
 
 /// One iteration of such a method.

@@ -40,7 +40,7 @@ ValenceOrder::ValenceOrder(const Topology& topology, std::span<const std::uint8_
     }
   });
 
-  const auto copy = [&](const IndexRows& from, std::vector<std::uint32_t>& to) {
+  const auto copy = [&](const IndexRows& from, Buffer<std::uint32_t>& to) {
     to.resize(rows);
     parallel_for(movable.size(), run, [&](std::size_t begin, std::size_t) {
       const std::size_t block = begin / kBlockSize;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mesh/topology.h"
+#include "core/run/buffer.h"
 #include "core/run/parallel.h"
 
 namespace burnish {
@@ -29,7 +30,7 @@ class ValenceOrder {
 
   enum class With : std::uint8_t { Neighbours, NeighboursAndFaces };
 
-  /// Only movable vertices are in it.
+  /// Only movable vertices are in it. When `run` stops it half-way, its groups mean nothing.
   ValenceOrder(const Topology& topology, std::span<const std::uint8_t> movable, With with = With::Neighbours,
                const RunControl& run = {});
 
@@ -47,10 +48,10 @@ class ValenceOrder {
   };
   Group group(const Range& range) const;
 
-  std::vector<Index> order_;
+  Buffer<Index> order_;
   std::vector<Range> groups_;
   std::vector<std::size_t> first_group_;  ///< per block, and the end
-  std::vector<std::uint32_t> neighbours_, faces_;
+  Buffer<std::uint32_t> neighbours_, faces_;
 };
 
 /// A doubled index finds an element of 16 bytes without a shift: processors scale an address by 8 for
