@@ -31,9 +31,11 @@ std::string counts(const v1::MeshSummary& mesh) {
          (mesh.components() == 1 ? " component" : " components");
 }
 
-std::string parameters(const v1::SmoothReport& report) {
+using Parameters = google::protobuf::Map<std::string, google::protobuf::Value>;
+
+std::string list(const Parameters& parameters) {
   std::map<std::string, std::string> sorted;
-  for (const auto& [name, value] : report.parameters()) sorted[name] = text(value);
+  for (const auto& [name, value] : parameters) sorted[name] = text(value);
   std::string line;
   for (const auto& [name, value] : sorted) {
     line.append(line.empty() ? "" : ", ").append(name).append(" ").append(value);
@@ -92,6 +94,14 @@ void print_warnings(std::ostream& out,
   }
 }
 
+std::string choice(const v1::MethodChoice& choice) {
+  return choice.method() + ", " + list(choice.parameters()) + ": " + choice.reason();
+}
+
+std::string noise(const v1::NoiseEstimate& noise) {
+  return noise.kind() + ", " + text(noise.sigma_over_edge()) + " mean edges";
+}
+
 /// Who did it: the version, and the request by which the server's log names it.
 template <class Report>
 std::string origin(const Report& report) {
@@ -110,9 +120,11 @@ void print_comparison(std::ostream& out, const v1::CompareResponse& comparison) 
 
 void print_report(std::ostream& out, const v1::SmoothReport& report) {
   out << report.method() << origin(report);
-  row(out, "parameters", parameters(report));
+  row(out, "parameters", list(report.parameters()));
+  if (report.has_choice()) row(out, "chose", choice(report.choice()));
   row(out, "input", counts(report.input()));
   row(out, "output", counts(report.output()));
+  if (report.has_noise()) row(out, "noise", noise(report.noise()));
   if (report.pinned_vertices() > 0)
     row(out, "pinned", std::to_string(report.pinned_vertices()) + " vertices");
   row(out, "written as", encoding(report.encoding()));

@@ -20,11 +20,17 @@ constexpr double kDracoPoint = 90, kDracoTriangle = 250, kDracoByte = 3;
 constexpr double kLeastPerObjByte = 2.5, kObjBytesPerTriangle = 110;
 constexpr double kLeastPerDracoByte = 9, kDracoBytesPerTriangle = 25;
 
+// What is free again while a mesh is smoothed, per triangle. With it the peaks of 1.1 million triangles, 258
+// MB (laplacian) to 551 MB (guided), are taken for 1.01 to 1.3 times what they are.
+constexpr double kSpareTriangle = 70;
+
 constexpr std::size_t kWindows = 64, kWindowBytes = 1024;
 
 std::uint64_t whole(double count) { return static_cast<std::uint64_t>(std::clamp(count, 0.0, 0x1p63)); }
 
-Estimate make_estimate(double memory, double triangles) { return {whole(memory), whole(triangles)}; }
+Estimate make_estimate(double memory, double vertices, double triangles) {
+  return {whole(memory), whole(vertices), whole(triangles)};
+}
 
 /// What the lines of an OBJ are, as far as they were looked at.
 class LineSample {
@@ -44,7 +50,8 @@ class LineSample {
     const double scale = static_cast<double>(size) / std::max(bytes_, 1.0);
     const double per_triangle = kObjTriangle + (rows_ > 0 ? kObjCitingTriangle : 0);
     const double memory = vertices_ * kObjVertex + triangles_ * per_triangle + rows_ * kObjRow;
-    return make_estimate(memory * scale + static_cast<double>(size) * kObjByte, triangles_ * scale);
+    return make_estimate(memory * scale + static_cast<double>(size) * kObjByte, vertices_ * scale,
+                         triangles_ * scale);
   }
 
   bool empty() const { return bytes_ == 0; }
@@ -101,10 +108,15 @@ Estimate estimate_draco(std::string_view bytes) {
   const double points = counts->points, triangles = counts->triangles;
   return make_estimate(
       points * kDracoPoint + triangles * kDracoTriangle + static_cast<double>(bytes.size()) * kDracoByte,
-      triangles);
+      points, triangles);
 }
 
 }  // namespace
+
+std::uint64_t Estimate::memory_with(std::uint64_t smoothing_bytes) const {
+  const double spare = static_cast<double>(triangles) * kSpareTriangle;
+  return memory_bytes + whole(static_cast<double>(smoothing_bytes) - spare);
+}
 
 Estimate estimate(std::string_view bytes, std::optional<Format> format) {
   if (!format) format = detect_format(bytes);
@@ -115,9 +127,11 @@ Estimate estimate(std::string_view bytes, std::optional<Format> format) {
 Estimate estimate(std::uint64_t bytes, std::optional<Format> format) {
   const auto size = static_cast<double>(bytes);
   if (format == Format::Draco) {
-    return make_estimate(size * kLeastPerDracoByte, size / kDracoBytesPerTriangle);
+    const double triangles = size / kDracoBytesPerTriangle;
+    return make_estimate(size * kLeastPerDracoByte, triangles / 2, triangles);
   }
-  return make_estimate(size * kLeastPerObjByte, size / kObjBytesPerTriangle);
+  const double triangles = size / kObjBytesPerTriangle;
+  return make_estimate(size * kLeastPerObjByte, triangles / 2, triangles);
 }
 
 }  // namespace burnish

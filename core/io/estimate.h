@@ -10,9 +10,13 @@
 namespace burnish {
 
 struct Estimate {
-  /// Peak of decoding, smoothing, measuring and encoding in either format; the file's own bytes apart.
+  /// Peak of decoding, measuring and encoding in either format, and of smoothing with a method that needs
+  /// little; the file's own bytes apart.
   std::uint64_t memory_bytes = 0;
-  std::uint64_t triangles = 0;  ///< about
+  std::uint64_t vertices = 0, triangles = 0;  ///< about
+
+  /// The peak when smoothing takes so much beside the surface.
+  std::uint64_t memory_with(std::uint64_t smoothing_bytes) const;
 };
 
 /// Reads 64 KiB at most: of a Draco file the declared counts, of an OBJ a sample of its lines. Well-formed

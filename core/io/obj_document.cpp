@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/io/obj_statements.h"
 #include "core/run/parallel.h"
 
 namespace burnish {
@@ -52,19 +53,15 @@ std::string ObjDocument::vertex_place(Index vertex) const {
 
 std::string ObjDocument::triangle_place(Index triangle) const {
   const Index face = face_of_triangle_.empty() ? triangle : face_of_triangle_[triangle];
-  // Only messages ask, so the f lines are counted again instead of remembered.
-  std::uint64_t line = 1;
-  Index seen = 0;
-  for (std::size_t at = 0; at < text_.size(); ++line) {
-    std::size_t end = text_.find_first_of("\r\n", at);
-    if (end == std::string_view::npos) end = text_.size();
-    const std::size_t word = text_.find_first_not_of(" \t", at);
-    const bool is_face = word < end && text_[word] == 'f' && word + 1 < text_.size() &&
-                         std::string_view(" \t\\").find(text_[word + 1]) != std::string_view::npos;
-    if (is_face && seen++ == face) break;
-    at = end + (text_.substr(end, 2) == "\r\n" ? 2 : 1);
+  // Only messages ask, so the faces are counted again instead of remembered.
+  ObjStatements statements(text_);
+  std::string_view keyword = statements.keyword();
+  for (Index seen = 0; keyword != "f" || seen++ != face; keyword = statements.keyword()) {
+    statements.skip_line();
+    if (statements.at_end()) break;
   }
-  return "face " + std::to_string(face + 1) + " (line " + std::to_string(line) + ')';
+  const auto offset = static_cast<std::uint64_t>(keyword.data() - text_.data());
+  return "face " + std::to_string(face + 1) + " (line " + std::to_string(line_at(text_, offset)) + ')';
 }
 
 Result<SharedAttributes> ObjDocument::shared_attributes(const MovedPositions& moved,

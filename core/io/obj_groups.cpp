@@ -1,9 +1,9 @@
 // Groups of an OBJ: a pass of its own over the text when a caller names one, so that nobody else pays for
 // them.
 #include <algorithm>
-#include <utility>
 
 #include "core/io/obj_document.h"
+#include "core/io/obj_statements.h"
 #include "core/io/pins.h"
 
 namespace burnish {
@@ -11,33 +11,27 @@ namespace {
 
 constexpr std::size_t kBytesBetweenChecks = 64 << 10;
 
-bool is_line_end(char c) { return c == '\n' || c == '\r'; }
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-/// Goes from statement to statement exactly as the parser did, which has accepted the text: the faces that
-/// both count must be the same.
+/// Tells of each face whether it is in the wanted group.
 class GroupReader {
  public:
   GroupReader(std::string_view text, std::string_view wanted)
-      : at_(text.data()), end_(at_ + text.size()), wanted_(wanted) {}
+      : end_(text.data() + text.size()), statements_(text), names_end_(text.data()), wanted_(wanted) {}
 
   /// Calls face(inside) for every face in order. False when stopped.
   template <class Face>
   bool read(const RunControl& run, Face&& face) {
-    for (const char* next_check = at_; at_ != end_; skip_line()) {
-      if (at_ >= next_check) {
+    for (const char* next_check = statements_.at(); !statements_.at_end(); statements_.skip_line()) {
+      if (statements_.at() >= next_check) {
         if (run.stopped()) return false;
-        next_check = at_ + std::min(kBytesBetweenChecks, static_cast<std::size_t>(end_ - at_));
+        const auto rest = static_cast<std::size_t>(end_ - statements_.at());
+        next_check = statements_.at() + std::min(kBytesBetweenChecks, rest);
       }
-      skip_blanks();
-      const std::string_view keyword = word([](char) { return false; });
-      if (keyword == "g" && at_ > names_end_) {
+      const std::string_view keyword = statements_.keyword();
+      if (keyword == "g" && statements_.at() > names_end_) {
         read_names();
       } else if (keyword == "f") {
         if (!grouped_) begin_group({});
         face(inside_);
-      } else if (keyword == "vn") {
-        skip_normal();
       }
     }
     return true;
@@ -50,16 +44,16 @@ class GroupReader {
   /// Leaves the cursor where it was: what follows a hidden line end is a name here, but may be a face to the
   /// parser.
   void read_names() {
-    const char* const begin = at_;
+    const char* const begin = statements_.at();
     std::vector<std::string_view> names;
     for (;;) {
-      skip_blanks();
-      const std::string_view name = word([this](char) { return hidden_line_end() > 0; });
+      const std::string_view name = statements_.name();
       if (name.empty() || name.front() == '#') break;
       names.push_back(name);
     }
     begin_group(names);
-    names_end_ = std::exchange(at_, begin);
+    names_end_ = statements_.at();
+    statements_.go_back_to(begin);
   }
 
   void begin_group(std::span<const std::string_view> names) {
@@ -71,45 +65,9 @@ class GroupReader {
     grouped_ = true;
   }
 
-  /// Up to a blank, a line end, or where `ends` says so.
-  template <class Ends>
-  std::string_view word(Ends&& ends) {
-    const char* const begin = at_;
-    while (at_ != end_ && !is_blank(*at_) && !is_line_end(*at_) && !ends(*at_)) ++at_;
-    return {begin, static_cast<std::size_t>(at_ - begin)};
-  }
-
-  /// Three words, wherever they stand: unlike the numbers of other statements behind a backslash, they may
-  /// look like a statement.
-  void skip_normal() {
-    for (int axis = 0; axis < 3; ++axis) {
-      skip_blanks();
-      word([this](char c) { return c == '#' || hidden_line_end() > 0; });
-    }
-  }
-
-  void skip_blanks() {
-    while (at_ != end_) {
-      const std::size_t length = is_blank(*at_) ? 1 : hidden_line_end();
-      if (length == 0) return;
-      at_ += length;
-    }
-  }
-
-  /// Length of a line end behind a backslash; 0 when there is none here.
-  std::size_t hidden_line_end() const {
-    if (*at_ != '\\' || at_ + 1 == end_ || !is_line_end(at_[1])) return 0;
-    return at_[1] == '\r' && at_ + 2 != end_ && at_[2] == '\n' ? 3 : 2;
-  }
-
-  void skip_line() {
-    while (at_ != end_ && !is_line_end(*at_)) ++at_;
-    if (at_ != end_) ++at_;
-  }
-
-  const char* at_;
   const char* const end_;
-  const char* names_end_ = at_;  // of the last g statement
+  ObjStatements statements_;
+  const char* names_end_;  // of the last g statement
   const std::string_view wanted_;
   bool grouped_ = false;  // a group has begun
   bool inside_ = false;   // in the one that is wanted

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/measure/nearest.h"
+#include "core/measure/triangle_sums.h"
 #include "core/run/math.h"
 #include "core/run/parallel.h"
 
@@ -39,11 +40,6 @@ std::vector<Index> partners(const Surface& surface, const Surface& reference) {
   return partner;
 }
 
-Vec3d area_normal(std::span<const Vec3f> positions, const Triangle& t) {
-  const Vec3d a = to_double(positions[t[0]]);
-  return cross(to_double(positions[t[1]]) - a, to_double(positions[t[2]]) - a);
-}
-
 double diagonal(std::span<const Vec3f> positions) {
   Vec3f low = positions.front(), high = low;
   for (const Vec3f& p : positions) {
@@ -58,8 +54,7 @@ double diagonal(std::span<const Vec3f> positions) {
 double ratio(double value, double by) { return by > 0 ? value / by : 0; }
 
 bool measure_distances(const Surface& surface, std::span<const Vec3f> positions,
-                       const NearestTriangle& nearest, const RunControl& run, std::vector<double>& squared) {
-  squared.assign(positions.size(), 0);
+                       const NearestTriangle& nearest, const RunControl& run, std::span<double> squared) {
   return parallel_for(positions.size(), run, [&](std::size_t begin, std::size_t end) {
     Index near = 0;
     for (std::size_t v = begin; v < end; ++v) {
@@ -77,9 +72,8 @@ bool measure_distances(const Surface& surface, std::span<const Vec3f> positions,
 bool measure_near_distances(const Surface& surface, std::span<const Vec3f> positions,
                             const NearestTriangle& nearest, const Surface& reference,
                             std::span<const Vec3f> others, std::span<const Index> partner,
-                            const RunControl& run, std::vector<double>& squared) {
-  squared.assign(positions.size(), 0);
-  const double wide = 4 * surface.mean_edge;
+                            const RunControl& run, std::span<double> squared) {
+  const double wide = 6 * surface.mean_edge;
   return parallel_for(positions.size(), run, [&](std::size_t begin, std::size_t end) {
     std::array<Vec3f, NearestTriangle::kGroup> points;
     std::array<double, NearestTriangle::kGroup> bounds;
@@ -91,7 +85,7 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
       for (; v < end && count < points.size(); ++v) {
         if (surface.topology.vertex_faces[v].empty()) continue;
         if (count > 0 && length(to_double(positions[v] - points[0])) > wide) break;
-        const Vec3d way = to_double(positions[v]) - to_double(others[partner[v]]);
+        const Vec3d way = to_double(positions[v]) - to_double(others[v]);
         const auto faces = reference.topology.vertex_faces[partner[v]];
         const bool bounded = !faces.empty();
         if (bounded) near = faces.front();
@@ -105,64 +99,58 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
   });
 }
 
-/// Eq. 9 and the plain means.
-bool summarise_distances(const Surface& surface, std::span<const Vec3f> positions,
-                         std::span<const double> squared, const RunControl& run, ErrorMeasures& measures) {
-  const auto& triangles = surface.mesh.triangles;
-  std::vector<double> areas(triangles.size());
-  const auto over_vertices = [&](auto&& term) {
-    return parallel_sum(positions.size(), run, [&](std::size_t begin, std::size_t end) {
-      double sum = 0;
-      for (std::size_t v = begin; v < end; ++v) sum += term(v);
-      return sum;
-    });
+/// The plain means.
+void summarise_distances(const Surface& surface, std::span<const double> squared, const RunControl& run,
+                         ErrorMeasures& measures) {
+  struct Block {
+    double distances = 0, squares = 0, largest = 0;
   };
-  const double area = parallel_sum(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t t = begin; t < end; ++t)
-      sum += areas[t] = length(area_normal(positions, triangles[t])) / 2;
-    return sum;
+  std::vector<Block> blocks(squared.size() / kBlockSize + 1);
+  parallel_for(squared.size(), run, [&](std::size_t begin, std::size_t end) {
+    Block block;
+    for (std::size_t v = begin; v < end; ++v) {
+      block.distances += std::sqrt(squared[v]);
+      block.squares += squared[v];
+      block.largest = std::max(block.largest, squared[v]);
+    }
+    blocks[begin / kBlockSize] = block;
   });
-  const double weighted = over_vertices([&](std::size_t v) {
-    double at_vertex = 0;
-    for (const Index f : surface.topology.vertex_faces[v]) at_vertex += areas[f];
-    return at_vertex * squared[v];
-  });
-  const double count = static_cast<double>(positions.size() - surface.topology.isolated_vertices);
-  measures.ev = std::sqrt(ratio(weighted, 3 * area));
-  measures.mean_distance = ratio(over_vertices([&](std::size_t v) { return std::sqrt(squared[v]); }), count);
-  measures.rms_distance = std::sqrt(ratio(over_vertices([&](std::size_t v) { return squared[v]; }), count));
-  measures.max_distance = std::sqrt(*std::max_element(squared.begin(), squared.end()));
-  return !run.stopped();
+  Block all;
+  for (const Block& block : blocks) {
+    all.distances += block.distances;
+    all.squares += block.squares;
+    all.largest = std::max(all.largest, block.largest);
+  }
+  const double count = static_cast<double>(squared.size() - surface.topology.isolated_vertices);
+  measures.mean_distance = ratio(all.distances, count);
+  measures.rms_distance = std::sqrt(ratio(all.squares, count));
+  measures.max_distance = std::sqrt(all.largest);
 }
 
-bool compare_normals(const Surface& surface, std::span<const Vec3f> positions, std::span<const Vec3f> others,
-                     std::span<const Index> partner, const RunControl& run, ErrorMeasures& measures) {
-  const auto& triangles = surface.mesh.triangles;
-  std::vector<double> angles(triangles.size(), -1);  // -1: no normal to compare
-  const bool done = parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const Triangle& corners = triangles[t];
-      const Vec3d ours = area_normal(positions, corners);
-      const Vec3d theirs =
-          area_normal(others, {partner[corners[0]], partner[corners[1]], partner[corners[2]]});
-      if (dot(ours, ours) == 0 || dot(theirs, theirs) == 0) continue;
-      angles[t] = portable_angle(length(cross(ours, theirs)), dot(ours, theirs)) * kDegreesPerRadian;
-    }
+/// Eq. 9, the sum over vertices taken by triangles, and with `others` the normals.
+void summarise_triangles(const Surface& surface, std::span<const Vec3f> positions,
+                         std::span<const double> squared, std::span<const Vec3f> others,
+                         const RunControl& run, ErrorMeasures& measures) {
+  const std::span triangles(surface.mesh.triangles);
+  std::vector<triangle_sums::Errors> blocks(triangles.size() / kBlockSize + 1);
+  parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
+    blocks[begin / kBlockSize] =
+        triangle_sums::functions().errors(triangles.subspan(begin, end - begin), positions, squared, others);
   });
-  double sum = 0, largest = 0;
-  std::uint32_t compared = 0, flipped = 0;
-  for (const double angle : angles) {
-    if (angle < 0) continue;
-    sum += angle;
-    largest = std::max(largest, angle);
-    ++compared;
-    flipped += angle > 90;
+  triangle_sums::Errors all;
+  for (const auto& block : blocks) {
+    all.area += block.area;
+    all.weighted += block.weighted;
+    all.angles += block.angles;
+    all.largest_angle = std::max(all.largest_angle, block.largest_angle);
+    all.compared += block.compared;
+    all.flipped += block.flipped;
   }
-  measures.mean_normal_degrees = ratio(sum, compared);
-  measures.max_normal_degrees = largest;
-  measures.flipped_triangles = flipped;
-  return done;
+  measures.ev = std::sqrt(ratio(all.weighted, 3 * all.area));
+  if (others.empty()) return;
+  measures.mean_normal_degrees = ratio(all.angles, all.compared) * kDegreesPerRadian;
+  measures.max_normal_degrees = all.largest_angle * kDegreesPerRadian;
+  measures.flipped_triangles = all.flipped;
 }
 
 }  // namespace
@@ -173,19 +161,20 @@ Result<ErrorMeasures> measure_errors(const Surface& surface, std::span<const Vec
   ErrorMeasures measures;
   const auto local = into_frame(surface.mesh.frame, reference, reference_positions, run);
   const auto partner = corresponding ? partners(surface, reference) : std::vector<Index>();
+  std::vector<Vec3f> others(partner.size());
+  for_each(partner.size(), run, [&](std::size_t v) { others[v] = local[partner[v]]; });
+  std::vector<double> squared(positions.size(), 0);
   if (!surface.mesh.triangles.empty() && !reference.mesh.triangles.empty()) {
     auto nearest = NearestTriangle::build(local, reference.mesh.triangles, run);
     if (!nearest) return nearest.error();
-    std::vector<double> squared;
     const bool measured = corresponding ? measure_near_distances(surface, positions, *nearest, reference,
-                                                                 local, partner, run, squared)
+                                                                 others, partner, run, squared)
                                         : measure_distances(surface, positions, *nearest, run, squared);
-    if (!measured || !summarise_distances(surface, positions, squared, run, measures)) {
-      return run.stop_error();
-    }
+    if (!measured) return run.stop_error();
+    summarise_distances(surface, squared, run, measures);
   }
-  if (corresponding && !compare_normals(surface, positions, local, partner, run, measures))
-    return run.stop_error();
+  summarise_triangles(surface, positions, squared, others, run, measures);
+  if (run.stopped()) return run.stop_error();
   const double edge = reference.mean_edge * reference.mesh.frame.scale() / surface.mesh.frame.scale();
   measures.ev_over_edge = ratio(measures.ev, edge);
   measures.ev_over_diagonal = ratio(measures.ev, diagonal(local));

@@ -51,9 +51,33 @@ Result<NearestTriangle> NearestTriangle::build(std::span<const Vec3f> positions,
   tree.positions_.reserve(positions.size());
   for (const Vec3f& p : positions) tree.positions_.emplace_back(p);
   tree.triangles_ = triangles;
+  // Most meshes lie along strips or patches, which makes tighter boxes than any curve through space.
+  tree.order_.resize(triangles.size());
+  std::iota(tree.order_.begin(), tree.order_.end(), Index{0});
+  if (!tree.fill(run)) return run.stop_error();
+  if (tree.in_good_order()) return tree;
   tree.order_ = triangles_along(curve_order(positions, run), triangles, run);
   if (run.stopped() || !tree.fill(run)) return run.stop_error();
   return tree;
+}
+
+/// Whether what lies side by side in memory does so in space: along a strip, a box is as long as its
+/// children's together. Asks some of the nodes of the two lowest levels.
+bool NearestTriangle::in_good_order() const {
+  const std::size_t lowest = (first_triangle_ - 1) / kWidth, above = lowest > 0 ? (lowest - 1) / kWidth : 0;
+  const auto is_good = [&](std::size_t begin, std::size_t end, std::size_t step) {
+    double whole = 0, parts = 0;
+    for (std::size_t node = begin; node < end; node += step) {
+      const auto& [low, high] = nodes_[node];
+      for (std::size_t k = 0; k < kWidth; ++k) {
+        parts += std::max({0.0F, high[0][k] - low[0][k], high[1][k] - low[1][k], high[2][k] - low[2][k]});
+      }
+      const Box box = box_of_children(node);
+      whole += std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
+    }
+    return whole <= parts;
+  };
+  return is_good(lowest, nodes_.size(), 16) && is_good(above, lowest, 4);
 }
 
 /// Boxes from the triangles up.

@@ -12,7 +12,8 @@
 
 namespace burnish {
 
-/// A hierarchy of boxes, eight to a node, over the triangles in the order of a space-filling curve. Build is
+/// A hierarchy of boxes, eight to a node, over the triangles in their own order or, when that jumps about, in
+/// the order of a space-filling curve. Build is
 /// O(n), a query looks at one or two nodes per level. Immutable after build, so many threads may ask.
 /// `triangles` must outlive it; coordinates are at most kFarthest in magnitude.
 /// docs/decisions/0006-nearest-triangle.md compares it with Embree's point query.
@@ -34,7 +35,7 @@ class NearestTriangle {
   Hit find(const Vec3f& point, Index start) const;
 
   /// Points that find_all() takes at once.
-  static constexpr std::size_t kGroup = 16;
+  static constexpr std::size_t kGroup = 32;
   /// The same for kGroup points or fewer that lie together: one walk through the hierarchy finds the
   /// triangles near any of them. `squared` holds, for each point, a squared distance within which a triangle
   /// is known to be, and becomes the squared distance of the nearest. `start` is for when the points lie too
@@ -56,6 +57,7 @@ class NearestTriangle {
   static std::size_t child_of(Entry e) { return e & 0xffff'ffffU; }
 
   bool fill(const RunControl& run);
+  bool in_good_order() const;
   Box box_of(Index triangle) const;
   Box box_of_children(std::size_t node) const;
   void set_box(std::size_t node, std::size_t child, const Box& box);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/measure/triangle_sums.h"
 #include "core/run/math.h"
 #include "core/run/parallel.h"
 
@@ -14,42 +14,17 @@ struct Totals {
   double area = 0, volume = 0, smallest_angle = 0;
 };
 
-/// The cotangent of a triangle's smallest angle as a fraction: the largest dot product of two sides over
-/// their cross product, which all three angles share.
-struct Cotangent {
-  double dot = 0, cross = 1;
-  bool operator<(const Cotangent& b) const { return dot * b.cross < b.dot * cross; }
-};
-
-constexpr Cotangent kNoAngle{1, 0};
-
 Totals totals(const Surface& surface, std::span<const Vec3f> positions, const RunControl& run) {
-  const auto& triangles = surface.mesh.triangles;
-  struct Block {
-    double volume = 0;
-    Cotangent sharpest;
-  };
-  std::vector<Block> blocks(triangles.size() / kBlockSize + 1);
-  Totals result;
-  result.area = parallel_sum(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
-    double area = 0;
-    Block block;
-    for (std::size_t t = begin; t < end; ++t) {
-      const Vec3d a = to_double(positions[triangles[t][0]]), b = to_double(positions[triangles[t][1]]),
-                  c = to_double(positions[triangles[t][2]]);
-      const Vec3d ab = b - a, bc = c - b, ca = a - c;
-      const double twice_area = length(cross(ab, bc));
-      area += twice_area / 2;
-      block.volume += dot(a, cross(b, c)) / 6;
-      const double largest_dot = -std::min(std::min(dot(ab, ca), dot(ab, bc)), dot(bc, ca));
-      block.sharpest =
-          std::max(block.sharpest, twice_area > 0 ? Cotangent{largest_dot, twice_area} : kNoAngle);
-    }
-    blocks[begin / kBlockSize] = block;
-    return area;
+  const std::span triangles(surface.mesh.triangles);
+  std::vector<triangle_sums::Shape> blocks(triangles.size() / kBlockSize + 1);
+  parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
+    blocks[begin / kBlockSize] =
+        triangle_sums::functions().shape(triangles.subspan(begin, end - begin), positions);
   });
-  Cotangent sharpest;
-  for (const Block& block : blocks) {
+  Totals result;
+  triangle_sums::Cotangent sharpest;
+  for (const auto& block : blocks) {
+    result.area += block.area;
     result.volume += block.volume;
     sharpest = std::max(sharpest, block.sharpest);
   }

@@ -52,7 +52,8 @@ std::vector<Index> by_first_vertex(std::span<const Triangle> triangles, std::siz
   const auto alone = run.on_one_thread();
   for_each(triangles.size(), alone, [&](std::size_t t) { ++starts[first(t) + 1]; });
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
-  for_each(triangles.size(), alone, [&](std::size_t t) { order[starts[first(t)]++] = static_cast<Index>(t); });
+  for_each(triangles.size(), alone,
+           [&](std::size_t t) { order[starts[first(t)]++] = static_cast<Index>(t); });
   return order;
 }
 

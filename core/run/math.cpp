@@ -21,25 +21,6 @@ constexpr auto kInverseFactorials = [] {
   return inverse;
 }();
 
-/// atan(i / 16).
-constexpr double kArctangents[] = {0.0,
-                                   0.06241880999595735,
-                                   0.12435499454676144,
-                                   0.18534794999569476,
-                                   0.24497866312686414,
-                                   0.3028848683749714,
-                                   0.35877067027057225,
-                                   0.4124104415973873,
-                                   0.4636476090008061,
-                                   0.5123894603107377,
-                                   0.5585993153435624,
-                                   0.6022873461349642,
-                                   0.6435011087932844,
-                                   0.6823165548747481,
-                                   0.7188299996216245,
-                                   0.7531512809621944,
-                                   0.7853981633974483};
-
 // The nearest sixteenth takes most of the angle; of the rest, below 1/32, six terms of the series reach
 // double accuracy.
 double arctangent_up_to_one(double t) {

@@ -35,10 +35,29 @@ inline FourFloats portable_exp(FourFloats x) {
 /// Angle in [0, pi] whose tangent is y/x, for y >= 0; 0 when both are 0. Absolute error below 1e-15.
 double portable_angle(double y, double x);
 
-/// Cosine of x in [-1e6, 1e6] radians, absolute error below 1e-15.
-double portable_cos(double x);
-
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kDegreesPerRadian = 180.0 / kPi;
+
+/// atan(i / 16), for portable_angle() and its twin on vectors (core/measure/triangle_sums.cpp).
+inline constexpr double kArctangents[] = {0.0,
+                                          0.06241880999595735,
+                                          0.12435499454676144,
+                                          0.18534794999569476,
+                                          0.24497866312686414,
+                                          0.3028848683749714,
+                                          0.35877067027057225,
+                                          0.4124104415973873,
+                                          0.4636476090008061,
+                                          0.5123894603107377,
+                                          0.5585993153435624,
+                                          0.6022873461349642,
+                                          0.6435011087932844,
+                                          0.6823165548747481,
+                                          0.7188299996216245,
+                                          0.7531512809621944,
+                                          0.7853981633974483};
+
+/// Cosine of x in [-1e6, 1e6] radians, absolute error below 1e-15.
+double portable_cos(double x);
 
 }  // namespace burnish

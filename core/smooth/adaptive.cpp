@@ -254,6 +254,7 @@ Method adaptive_method() {
           number_parameter("scale", kDefaults.scale, 0, 1e30, "mesh unit",
                            "Length that the umbrella vector is measured by; 0 means the mean edge length."),
       }),
+      .work_memory = {.per_vertex = 115, .per_triangle = 75},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;
         if (values.choice("normals") == "unit") params.normals = P::Normals::Unit;

@@ -10,10 +10,10 @@
 
 namespace burnish {
 
-/// n'(i) = unit(sum over neighbours j of A(j) exp(exponent(j, i)) n(j)); n(i) where the sum vanishes. False
-/// when stopped.
-template <class Exponent>
-bool filter_by_weights(Faces& faces, Exponent&& exponent) {
+/// n'(i) = unit(sum over neighbours j of A(j) factor(j, i) exp(exponent(j, i)) n(j)); n(i) where the sum
+/// vanishes. False when stopped.
+template <class Exponent, class Factor>
+bool filter_by_weights(Faces& faces, Exponent&& exponent, Factor&& factor) {
   struct Weighted {  // the neighbours of one triangle, and their weights by four
     std::vector<Index> faces;
     std::vector<FourFloats> weights;
@@ -30,12 +30,18 @@ bool filter_by_weights(Faces& faces, Exponent&& exponent) {
     float weights = 0;
     for (std::size_t i = 0; i < near.faces.size(); ++i) {
       const Index n = near.faces[i];
-      const float weight = faces.twice_area(n) * near.weights[i / 4][i % 4];
+      const float weight = faces.twice_area(n) * near.weights[i / 4][i % 4] * factor(n, f);
       sum += faces.normal(n) * weight;
       weights += weight;
     }
     return unit_or(sum, weights, faces.normal(f));
   });
+}
+
+/// The same with the factor 1.
+template <class Exponent>
+bool filter_by_weights(Faces& faces, Exponent&& exponent) {
+  return filter_by_weights(faces, exponent, [](Index, std::size_t) { return 1.0F; });
 }
 
 /// -1 / (2 sigma^2), finite for any sigma >= 0: meshes may have shrunk to a point.

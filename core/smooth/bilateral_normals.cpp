@@ -64,6 +64,7 @@ Method bilateral_normals_method() {
           count_parameter("vertex_steps", kDefaults.vertex_steps, 1, 100,
                           "How often the vertices move per iteration."),
       }),
+      .work_memory = {.per_vertex = 100, .per_triangle = 190},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;
         if (values.choice("scheme") == "global") params.scheme = P::Scheme::Global;

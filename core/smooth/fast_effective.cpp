@@ -68,6 +68,7 @@ Method fast_effective_method() {
                            "less for more noise."),
           neighbourhood_parameter(kDefaults.neighbourhood),
       }),
+      .work_memory = {.per_vertex = 130, .per_triangle = 55},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;
         if (values.choice("filtering") == "once") params.filtering = P::Filtering::Once;

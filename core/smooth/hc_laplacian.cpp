@@ -82,6 +82,7 @@ Method hc_laplacian_method() {
            number_parameter("beta", kDefaults.beta, 0.5, 1, "1",
                             "Share of a vertex's own way in what it is pushed back by; below 0.5 the highest "
                             "frequencies would grow.")}),
+      .work_memory = {.per_vertex = 140, .per_triangle = 15},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_hc_laplacian(surface, {.alpha = values.number("alpha"), .beta = values.number("beta")},
                                    iteration_options(values, surface), run);

@@ -73,6 +73,7 @@ Method joint_bilateral_method() {
           number_parameter("distance", kDefaults.distance, 0.001, 1000, "mean edge lengths",
                            "No vertex ends farther than this from where it came."),
       }),
+      .work_memory = {.per_vertex = 145, .per_triangle = 70},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_joint_bilateral(
             surface,

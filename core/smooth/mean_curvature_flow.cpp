@@ -71,6 +71,7 @@ Method mean_curvature_flow_method() {
                                 "Cotangents are clamped to [0, this]: slivers have huge ones and obtuse "
                                 "triangles negative ones, and "
                                 "both make the flow diverge on noise.")}),
+          .work_memory = {.per_vertex = 130, .per_triangle = 15},
           .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
             return smooth_mean_curvature_flow(surface,
                                               {.time_step = values.number("time_step"),

@@ -28,6 +28,7 @@ Method mean_normals_method() {
           "v' = v + 1/sum A(T) sum A(T) [(c(T) - v) . m(T)] m(T),  m(T) = unit(sum over neighbours S of "
           "A(S) n(S))",
       .parameters = with_iteration_parameters({neighbourhood_parameter(MeanNormalsParams{}.neighbourhood)}),
+      .work_memory = {.per_vertex = 130, .per_triangle = 55},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_mean_normals(surface, {.neighbourhood = neighbourhood_of(values)},
                                    iteration_options(values, surface), run);

@@ -54,8 +54,7 @@ bool Faces::measure(std::span<const SimdVec3> positions) {
       const auto& [a, b, c] = surface_.mesh.triangles[f];
       const SimdVec3 area_normal = cross(positions[b] - positions[a], positions[c] - positions[a]);
       const float twice_area = length(area_normal);
-      const float side = orientation_.empty() ? 1.0F : orientation_[f];
-      normals_[f] = twice_area > 0 ? area_normal * (side / twice_area) : SimdVec3{};
+      normals_[f] = twice_area > 0 ? area_normal * (side(f) / twice_area) : SimdVec3{};
       twice_areas_[f] = twice_area;
       centroids_[f] = centroid_of(positions, f);
     }
@@ -108,6 +107,7 @@ Result<SmoothOutcome> iterate_normals(Surface& surface, Faces& faces, const Cons
     if (!passes.filter(from)) return false;
     last = from;
     for (std::uint32_t step = 1; step < passes.vertex_steps; ++step) {
+      if (passes.before_move && !passes.before_move(last)) return false;
       std::vector<SimdVec3>& to = steps[step % 2];
       if (to.empty()) to.assign(from.begin(), from.end());
       const bool done = parallel_for(last.size(), faces.run(), [&](std::size_t begin, std::size_t end) {
@@ -118,7 +118,7 @@ Result<SmoothOutcome> iterate_normals(Surface& surface, Faces& faces, const Cons
       last = to;
       if (!faces.measure_centroids(last)) return false;
     }
-    return true;
+    return !passes.before_move || passes.before_move(last);
   };
   return iterate(surface, constraints, options, faces.run(),
                  {.prepare = prepare, .move = [&](auto, auto to, std::size_t begin, std::size_t end) {

@@ -68,6 +68,8 @@ class Faces {
   SimdVec3 normal(std::size_t f) const { return normals_[f]; }
   SimdVec3 centroid(std::size_t f) const { return centroids_[f]; }
   float twice_area(std::size_t f) const { return twice_areas_[f]; }
+  /// 1, or -1 where the normal is turned against the winding.
+  float side(std::size_t f) const { return orientation_.empty() ? 1.0F : orientation_[f]; }
   const Surface& surface() const { return surface_; }
   const RunControl& run() const { return run_; }
 
@@ -166,6 +168,8 @@ struct NormalPasses {
       move;
   /// How often the vertices move before the normals are filtered again. Constraints hold after each.
   std::uint32_t vertex_steps = 1;
+  /// What each of these moves needs of all positions first. False when it stopped half-way. May be empty.
+  std::function<bool(std::span<const SimdVec3> from)> before_move = {};
 };
 
 /// The move v' = v + offset(positions, v).

@@ -50,6 +50,7 @@ Method ohtake_method() {
                            "Part of the way to the mean of the neighbours, within the surface."),
           neighbourhood_parameter(kDefaults.neighbourhood),
       }),
+      .work_memory = {.per_vertex = 130, .per_triangle = 55},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_ohtake(surface,
                              {.curvature = values.number("curvature"),

@@ -5,18 +5,22 @@
 #include <cmath>
 
 #include "core/smooth/adaptive.h"
+#include "core/smooth/auto.h"
 #include "core/smooth/bilaplacian.h"
 #include "core/smooth/bilateral.h"
 #include "core/smooth/bilateral_normals.h"
 #include "core/smooth/fast_effective.h"
+#include "core/smooth/guided.h"
 #include "core/smooth/hc_laplacian.h"
 #include "core/smooth/implicit_mean_curvature_flow.h"
 #include "core/smooth/joint_bilateral.h"
 #include "core/smooth/laplacian.h"
+#include "core/smooth/learned_normals.h"
 #include "core/smooth/mean_curvature_flow.h"
 #include "core/smooth/mean_normals.h"
 #include "core/smooth/median_normals.h"
 #include "core/smooth/ohtake.h"
+#include "core/smooth/robust_normals.h"
 #include "core/smooth/taubin.h"
 #include "core/smooth/weighted_least_squares.h"
 #include "core/smooth/windowed_sinc.h"
@@ -106,6 +110,10 @@ std::span<const Method> methods() {
       fast_effective_method(),
       bilateral_normals_method(),
       joint_bilateral_method(),
+      guided_method(),
+      robust_normals_method(),
+      learned_normals_method(),
+      auto_method(),
   };
   return kMethods;
 }
@@ -119,6 +127,16 @@ Result<const Method*> find_method(std::string_view name) {
                "no method \"" + std::string(name.substr(0, 64)) + "\"; there are " +
                    list_names(methods(), [](const auto& method) { return method.name; }),
                "method"};
+}
+
+WorkMemory work_memory_of(std::string_view name) {
+  if (const auto found = find_method(name)) return (*found)->work_memory;
+  WorkMemory most;
+  for (const Method& method : methods()) {
+    most.per_vertex = std::max(most.per_vertex, method.work_memory.per_vertex);
+    most.per_triangle = std::max(most.per_triangle, method.work_memory.per_triangle);
+  }
+  return most;
 }
 
 Result<ParameterValue> parse_parameter(const Method& method, std::string_view name, std::string_view text) {

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,10 +41,28 @@ class ParameterValues {
   const std::string& choice(const std::string& name) const { return std::get<std::string>(values.at(name)); }
 };
 
+/// What a method that chooses for its caller chose.
+struct MethodChoice {
+  std::string method;
+  std::map<std::string, ParameterValue> parameters;  ///< those that are not the method's defaults
+  std::string reason;                                ///< a sentence
+};
+
 /// What a run did beside moving vertices.
 struct SmoothOutcome {
   std::uint32_t iterations = 0;  ///< that were completed
   std::vector<Warning> warnings;
+  std::optional<MethodChoice> choice = {};  ///< set by `auto`
+};
+
+/// Bytes that a run takes beside the surface, at the most, whatever its parameters;
+/// tests/core/memory_test.cpp measures them.
+struct WorkMemory {
+  std::uint32_t per_vertex = 0, per_triangle = 0;
+
+  std::uint64_t bytes(std::uint64_t vertices, std::uint64_t triangles) const {
+    return per_vertex * vertices + per_triangle * triangles;
+  }
 };
 
 struct Method {
@@ -52,6 +71,7 @@ struct Method {
   std::string reference;                  ///< the paper, as cited
   std::string formula;                    ///< plain text, for docs/algorithms.md
   std::vector<ParameterSpec> parameters;  ///< its own, then the common ones
+  WorkMemory work_memory = {};
   /// Moves surface.mesh.positions, never anything else. On an error the mesh is as it was.
   /// Errors: Cancelled, DeadlineExceeded, OutOfMemory.
   std::function<Result<SmoothOutcome>(Surface&, const ParameterValues&, const RunControl&)> run;
@@ -62,6 +82,9 @@ std::span<const Method> methods();
 
 /// "" gives the default method. Errors: UnknownMethod, naming those that exist.
 Result<const Method*> find_method(std::string_view name);
+
+/// Of the method of that name; of a name that is none, the most of all.
+WorkMemory work_memory_of(std::string_view name);
 
 /// Reads one value from text, as a query string or --set gives it. Errors: UnknownOption, BadOption.
 Result<ParameterValue> parse_parameter(const Method& method, std::string_view name, std::string_view text);

@@ -148,6 +148,7 @@ Method windowed_sinc_method() {
                             "Frequencies of the umbrella operator, 0 to 2, up to this stay."),
            choice_parameter("window", {"hamming", "blackman", "hanning", "rectangle"},
                             "Weights w_n; they trade the width of the transition for ripples.")}),
+      .work_memory = {.per_vertex = 210, .per_triangle = 15},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params{.pass_band = values.number("pass_band")};
         if (values.choice("window") == "blackman") params.window = P::Window::Blackman;

@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/io/estimate.h"
+#include "core/smooth/registry.h"
 #include "server/observe/log.h"
 
 namespace burnish {
@@ -27,9 +28,11 @@ double iterations_of(const v1::SmoothOptions& options) {
   return given == options.parameters().end() ? 20 : given->second.number_value();
 }
 
-JobCost cost_of(const Estimate& mesh, const Estimate& reference, std::uint64_t bytes, double iterations) {
+/// `bytes`: of the files; `smoothing_bytes`: what the method takes beside the mesh.
+JobCost cost_of(const Estimate& mesh, const Estimate& reference, std::uint64_t bytes,
+                std::uint64_t smoothing_bytes, double iterations) {
   const auto one = static_cast<double>(mesh.triangles), both = one + static_cast<double>(reference.triangles);
-  return {.bytes = bytes + mesh.memory_bytes + reference.memory_bytes,
+  return {.bytes = bytes + mesh.memory_with(smoothing_bytes) + reference.memory_bytes,
           .work = kPerJob + kPerTriangle * both + kPerTriangleAndIteration * one * iterations};
 }
 
@@ -38,13 +41,15 @@ Estimate estimate_if_any(std::string_view bytes, std::optional<Format> format) {
 }
 
 JobCost cost_of(const SmoothJob& job) {
-  return cost_of(estimate(job.mesh, job.format), estimate_if_any(job.reference, job.reference_format),
-                 job.mesh.size() + job.reference.size(), iterations_of(job.options));
+  const Estimate mesh = estimate(job.mesh, job.format);
+  return cost_of(
+      mesh, estimate_if_any(job.reference, job.reference_format), job.mesh.size() + job.reference.size(),
+      work_memory_of(job.options.method()).bytes(mesh.vertices, mesh.triangles), iterations_of(job.options));
 }
 
 JobCost cost_of(const CompareJob& job) {
   return cost_of(estimate(job.mesh, job.format), estimate(job.reference, job.reference_format),
-                 job.mesh.size() + job.reference.size(), 0);
+                 job.mesh.size() + job.reference.size(), 0, 0);
 }
 
 Kind kind_of(const SmoothJob&) { return Kind::Smooth; }

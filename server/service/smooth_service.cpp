@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/measure/error.h"
+#include "core/measure/noise_estimate.h"
 #include "core/measure/quality.h"
 #include "server/service/loaded_mesh.h"
 #include "server/service/measures.h"
@@ -39,6 +40,14 @@ class Pipeline {
     }
   }
 
+  void describe(const MethodChoice& choice) {
+    report().mutable_choice()->set_method(choice.method);
+    report().mutable_choice()->set_reason(choice.reason);
+    for (const auto& [name, value] : choice.parameters) {
+      (*report().mutable_choice()->mutable_parameters())[name] = to_proto(value);
+    }
+  }
+
   Result<> load() {
     enter(v1::SMOOTH_STAGE_DECODE);
     auto input = load_mesh(job_.mesh, job_.format, "", limits_, run_, timings());
@@ -48,6 +57,7 @@ class Pipeline {
     warn(input_.warnings());
     input_.summarise(*report().mutable_input());
     if (auto pinned = pin(); !pinned) return pinned;
+    estimate_noise();
     if (job_.reference.empty()) return {};
     auto reference =
         load_mesh(job_.reference, job_.reference_format, "reference: ", limits_, run_, timings());
@@ -65,6 +75,14 @@ class Pipeline {
     return {};
   }
 
+  void estimate_noise() {
+    Stopwatch watch;
+    const NoiseEstimate noise = burnish::estimate_noise(input_.surface, run_);
+    report().mutable_noise()->set_sigma_over_edge(noise.sigma_over_edge);
+    report().mutable_noise()->set_kind(std::string(name_of(noise.kind)));
+    timings().set_prepare_ms(timings().prepare_ms() + watch.lap());
+  }
+
   Result<> smooth() {
     enter(v1::SMOOTH_STAGE_SMOOTH);
     Stopwatch watch;
@@ -75,6 +93,7 @@ class Pipeline {
     auto outcome = options_.method->run(input_.surface, options_.parameters, run);
     if (!outcome) return outcome.error();
     warn(outcome->warnings);
+    if (outcome->choice) describe(*outcome->choice);
     timings().set_smooth_ms(watch.lap());
     return {};
   }

@@ -15,11 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/codec.h"
-#include "core/measure/error.h"
-#include "core/shape/noise.h"
 #include "core/smooth/registry.h"
-#include "tests/support/shapes.h"
+#include "tests/bench/models.h"
 
 namespace burnish::bench {
 namespace {
@@ -52,44 +49,8 @@ const std::map<std::string, std::map<std::string, Printed>> kPaper = {
       {"adaptive", {0.030784, 3604}}}},
 };
 
-template <class T>
-T expect(Result<T> result, const std::string& what) {
-  if (result) return std::move(*result);
-  std::fprintf(stderr, "%s: %s\n", what.c_str(), result.error().message.c_str());
-  std::exit(2);
-}
-
-struct Model {
-  std::string name;
-  testing::Shape shape;
-  Surface clean;
-};
-
-Model load(const std::filesystem::path& path) {
-  const std::string text = testing::read_file(path);
-  const auto document = expect(decode(text, Format::Obj, {}, {}), path.string());
-  Model model{path.stem().string(), {}, {}};
-  model.shape.positions.assign(document->positions().begin(), document->positions().end());
-  model.shape.triangles.assign(document->triangles().begin(), document->triangles().end());
-  model.clean = expect(prepare_surface(model.shape.positions, model.shape.triangles, {}), path.string());
-  return model;
-}
-
-/// The surface that a file with the noise would give.
-Surface with_noise(const Model& model, std::uint64_t seed) {
-  Surface moved = model.clean;
-  if (!add_noise(moved, {.amplitude = 0.2, .seed = seed})) std::abort();
-  std::vector<Vec3d> positions;
-  for (const Index v : moved.weld) {
-    positions.push_back(moved.mesh.frame.to_file(to_double(moved.mesh.positions[v])));
-  }
-  return expect(prepare_surface(positions, model.shape.triangles, {}), model.name);
-}
-
 double ev_over_edge(const Model& model, const Surface& surface) {
-  const auto errors = measure_errors(surface, surface.mesh.positions, model.clean, model.clean.mesh.positions,
-                                     true, {.threads = 0});
-  return expect(errors, model.name).ev_over_edge;
+  return errors_of(surface, model.clean, 0).ev_over_edge;
 }
 
 double cpu_milliseconds() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -135,7 +96,7 @@ class Experiment {
   Experiment(Model model, int seeds) : model_(std::move(model)) {
     std::vector<double> noisy_ev;
     for (int seed = 1; seed <= seeds; ++seed) {
-      const Surface noisy = with_noise(model_, static_cast<std::uint64_t>(seed));
+      const Surface noisy = with_noise(model_, {.amplitude = 0.2, .seed = static_cast<std::uint64_t>(seed)});
       noisy_.ev.push_back(ev_over_edge(model_, noisy));
       for (const Method& method : methods()) {
         measure(model_, noisy, method, {{"iterations", kIterations}}, paper_[method.name]);
@@ -214,18 +175,8 @@ class Experiment {
 };
 
 std::vector<Experiment> experiments(const std::filesystem::path& folder, int seeds) {
-  std::vector<std::filesystem::path> files;
-  std::error_code failure;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, failure)) {
-    if (entry.path().extension() == ".obj") files.push_back(entry.path());
-  }
-  if (files.empty()) {
-    std::fprintf(stderr, "%s: no OBJ files\n", folder.c_str());
-    std::exit(2);
-  }
-  std::ranges::sort(files);
   std::vector<Experiment> all;
-  for (const auto& file : files) all.emplace_back(load(file), seeds);
+  for (const auto& file : obj_files(folder)) all.emplace_back(load_model(file), seeds);
   return all;
 }
 

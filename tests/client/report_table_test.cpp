@@ -44,6 +44,14 @@ TEST(PrintReport, LeavesOutWhatWasNot) {
   EXPECT_THAT(table_of(sample_report()), Not(HasSubstr("warnings")));
 }
 
+TEST(PrintReport, SaysHowNoisyTheInputIs) {
+  v1::SmoothReport report = sample_report();
+  EXPECT_THAT(table_of(report), Not(HasSubstr("noise")));
+  report.mutable_noise()->set_sigma_over_edge(0.21);
+  report.mutable_noise()->set_kind("gaussian");
+  EXPECT_THAT(table_of(report), HasSubstr("noise               gaussian, 0.21 mean edges\n"));
+}
+
 TEST(PrintReport, CountsPinnedVerticesWhenThereAreAny) {
   v1::SmoothReport report = sample_report();
   EXPECT_THAT(table_of(report), Not(HasSubstr("pinned")));

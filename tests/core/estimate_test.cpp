@@ -72,6 +72,19 @@ TEST(Estimate, GrowsWithTheMesh) {
   }
 }
 
+TEST(Estimate, CountsWhatSmoothingTakesBeyondWhatIsFreeByThen) {
+  const Shape shape = sphere(4);
+  const std::string obj = to_obj(shape);
+  const Estimate said = estimate(std::string_view(obj), std::nullopt);
+  EXPECT_NEAR(static_cast<double>(said.vertices), static_cast<double>(shape.positions.size()),
+              0.1 * static_cast<double>(shape.positions.size()));
+  EXPECT_EQ(said.memory_with(0), said.memory_bytes);
+  const std::uint64_t more = 1000 * said.triangles;
+  EXPECT_GT(said.memory_with(more), said.memory_bytes + more / 2);
+  EXPECT_LE(said.memory_with(more), said.memory_bytes + more);
+  EXPECT_EQ(said.memory_with(2 * more), said.memory_with(more) + more);
+}
+
 TEST(Estimate, OfTheSizeAloneRefusesNothingThatTheBytesWouldLetPass) {
   const Shape shape = sphere(5);
   for (const std::string& bytes :

@@ -9,7 +9,9 @@
 #include "core/measure/error.h"
 #include "core/measure/nearest.h"
 #include "core/measure/quality.h"
+#include "core/measure/triangle_sums.h"
 #include "core/mesh/curve.h"
+#include "core/run/math.h"
 #include "tests/support/oracle.h"
 
 namespace burnish {
@@ -201,6 +203,44 @@ TEST(NearestTriangle, GivesTheSameBitsForEveryVectorWidth) {
     auto& answer = answers.emplace_back(points.size(), 4.0);
     ASSERT_TRUE(find(tree, points, answer));
     EXPECT_EQ(answer, answers.front());
+  }
+}
+
+TEST(NearestTriangle, AgreesWithTryingAllWhenTheTrianglesAreShuffled) {
+  const Surface s = surface_of(with_noise(sphere(3), 0.1));
+  Mesh mesh = s.mesh;
+  const auto order = shuffled(mesh.triangles.size());
+  for (std::size_t t = 0; t < order.size(); ++t) mesh.triangles[t] = s.mesh.triangles[order[t]];
+  expect_group_nearest(mesh, mesh.positions);
+}
+
+TEST(TriangleSums, AreTheSameBitsForEveryVectorWidthAndSayWhatTheFormulaSays) {
+  const Surface s = surface_of(with_noise(sphere(2), 0.02)), other = surface_of(with_noise(sphere(2), 0.1));
+  const auto& positions = s.mesh.positions;
+  const std::vector<double> squared(positions.size(), 2);
+  for (const std::size_t count : {1, 2, 3, 4, 7, 320}) {
+    const std::span triangles = std::span(s.mesh.triangles).first(count);
+    double area = 0, angles = 0;
+    for (const auto& [a, b, c] : triangles) {
+      const auto normal = [&, a = a, b = b, c = c](const auto& at) {
+        return cross(to_double(at[b]) - to_double(at[a]), to_double(at[c]) - to_double(at[a]));
+      };
+      const Vec3d ours = normal(positions), theirs = normal(other.mesh.positions);
+      area += length(ours) / 2;
+      angles += portable_angle(length(cross(ours, theirs)), dot(ours, theirs));
+    }
+    for (const auto& functions : triangle_sums::functions_here()) {
+      const auto shape = functions.shape(triangles, positions);
+      const auto errors = functions.errors(triangles, positions, squared, other.mesh.positions);
+      EXPECT_NEAR(shape.area, area, 1e-12 * area) << count;
+      EXPECT_NEAR(errors.area, area, 1e-12 * area) << count;
+      EXPECT_NEAR(errors.weighted, 6 * area, 1e-11 * area) << count;
+      EXPECT_NEAR(errors.angles, angles, 1e-12 * angles) << count;
+      EXPECT_EQ(errors.compared, count);
+      const auto first = triangle_sums::functions_here().front();
+      EXPECT_EQ(shape.volume, first.shape(triangles, positions).volume);
+      EXPECT_EQ(errors.angles, first.errors(triangles, positions, squared, other.mesh.positions).angles);
+    }
   }
 }
 

@@ -188,6 +188,19 @@ TEST(Obj, NamesThePlaceOfEachMistake) {
   }
 }
 
+TEST(Obj, CountsContinuedFacesAsItReadThem) {
+  // A line that begins behind a backslash is no face of its own, whatever it looks like; a keyword may begin
+  // there too.
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 \\\nf 1\nf 1 \\\n2 3\n\\\r\nf 1 2 4\nf 2 3 4\n";
+  const auto document = decode(text, Format::Obj, {}, {});
+  ASSERT_TRUE(document) << document.error().message;
+  ASSERT_EQ((*document)->triangles().size(), 3U);
+  EXPECT_EQ((*document)->triangle_place(0), "face 1 (line 7)");
+  EXPECT_EQ((*document)->triangle_place(1), "face 2 (line 10)");
+  EXPECT_EQ((*document)->triangle_place(2), "face 3 (line 11)");
+}
+
 TEST(Obj, AcceptsWhatScannersWrite) {
   const std::string head = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   for (const std::string& text : std::initializer_list<std::string>{

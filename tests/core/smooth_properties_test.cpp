@@ -215,7 +215,7 @@ TEST_P(EveryMethod, KeepsEveryVertexWithinItsMaxDisplacement) {
 TEST_P(EveryMethod, StopsBeforeAndDuringItsRunAndLeavesTheMeshAsItWas) {
   const Method& method = **find_method(GetParam().method);
   const Shape shape = with_noise(sphere(3), 0.02);
-  for (const int stop_at : {0, 3}) {
+  for (const int stop_at : {0, 1}) {
     std::stop_source source;
     if (stop_at == 0) source.request_stop();
     int reports = 0;

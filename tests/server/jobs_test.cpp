@@ -5,6 +5,8 @@
 
 #include <future>
 
+#include "core/io/estimate.h"
+#include "core/smooth/registry.h"
 #include "tests/server/gate.h"
 #include "tests/server/jobs_house.h"
 #include "tests/support/eventually.h"
@@ -57,6 +59,21 @@ TEST(Jobs, RefuseByEstimatedMemoryBeforeAnythingIsDecoded) {
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().cause, Cause::TooLarge);
   EXPECT_THAT(refused.error().message, HasSubstr("(max-memory)"));
+}
+
+TEST(Jobs, CountTheMemoryOfTheMethod) {
+  const std::string text = testing::to_obj(testing::sphere(4));
+  const Estimate said = estimate(std::string_view(text), Format::Obj);
+  const std::uint64_t light = work_memory_of("laplacian").bytes(said.vertices, said.triangles);
+  House house({}, {.workers = 1, .max_memory = text.size() + said.memory_with(light)});
+  SmoothJob job{.mesh = text};
+  job.options.set_iterations(1);
+  job.options.set_method("laplacian");
+  EXPECT_TRUE(house.smooth(job).get().ok());
+  job.options.set_method("bilateral_normals");
+  const auto refused = house.smooth(job).get();
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().cause, Cause::TooLarge);
 }
 
 TEST(Jobs, ExpectWhatSubmitWillSay) {

@@ -124,6 +124,12 @@ TEST(OpenApi, SaysHowToPin) {
   EXPECT_TRUE(schema("SmoothReport")["properties"].contains("pinnedVertices"));
 }
 
+TEST(OpenApi, SaysHowNoiseIsReported) {
+  const json& noise = resolve(schema("SmoothReport")["properties"]["noise"]);
+  EXPECT_EQ(noise["properties"]["sigmaOverEdge"]["type"], "number");
+  EXPECT_EQ(noise["properties"]["kind"]["type"], "string");
+}
+
 TEST(OpenApi, RequiresWhatAnswersAlwaysHold) {
   GatewayHouse house;
   HttpRequest request = testing::smooth_request(testing::to_obj(testing::sphere(1)), {{"iterations", "1"}});

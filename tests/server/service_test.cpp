@@ -233,6 +233,20 @@ TEST(SmoothService, KeepsPinnedVerticesAndCountsThem) {
   EXPECT_EQ(smooth({.mesh = mesh})->report.pinned_vertices(), 0U);
 }
 
+TEST(SmoothService, ReportsTheNoiseOfTheInput) {
+  const testing::Shape clean = testing::sphere(4);
+  const double h = testing::surface_of(clean).mean_edge * testing::surface_of(clean).mesh.frame.scale();
+  const auto noise_of = [](const testing::Shape& shape) {
+    const std::string mesh = testing::to_obj(shape);
+    return smooth({.mesh = mesh})->report.noise();
+  };
+  EXPECT_EQ(noise_of(clean).kind(), "none");
+  // Uniform from -0.5 h to 0.5 h: a standard deviation of 0.29 h.
+  const auto noisy = noise_of(testing::with_noise(clean, 0.5 * h));
+  EXPECT_EQ(noisy.kind(), "gaussian");
+  EXPECT_NEAR(noisy.sigma_over_edge(), 0.29, 0.06);
+}
+
 TEST(SmoothService, NamesThePinThatTheMeshDoesNotHave) {
   struct Row {
     std::function<void(v1::PinnedVertices&)> set;

@@ -1,0 +1,153 @@
+#include "core/denoise/normal_cascade.h"
+
+#include <algorithm>
+
+namespace burnish {
+namespace {
+
+/// Steps that smooth what was given back.
+constexpr std::uint32_t kStepsAfterwards = 4;
+/// The widest filter of NormalFields.
+constexpr std::size_t kWidest = 3;
+/// Length of the difference of two normals, 3.4 degrees, up to which an edge is flat; shares of flat edges up
+/// to which a surface is curved, and from which on it is flat.
+constexpr float kFlatEdge = 0.06F;
+constexpr double kCurved = 0.67, kFlat = 0.76;
+
+}  // namespace
+
+NormalCascade::NormalCascade(const Surface& surface, std::span<const std::uint8_t> movable,
+                             const CascadeOptions& options, std::span<const NormalNetwork> networks,
+                             const RunControl& run)
+    : surface_(surface),
+      movable_(movable),
+      options_(options),
+      networks_(networks),
+      run_(run),
+      fields_(surface, run),
+      normals_(fields_.size()),
+      predicted_(fields_.size()),
+      now_(movable_.size()),
+      next_(movable_.size()),
+      heights_(movable_.size()),
+      next_heights_(movable_.size()),
+      near_heights_(movable_.size()) {}
+
+bool NormalCascade::advance(std::span<const SimdVec3> from) {
+  const NormalNetwork& network = networks_[std::min(stage_++, networks_.size() - 1)];
+  return fields_.measure(from) && network.predict(fields_, run_, predicted_) &&
+         for_each(now_.size(), run_, [&](std::size_t v) { now_[v] = next_[v] = from[v]; }) &&
+         fit(predicted_, options_.vertex_steps) &&
+         (std::max(options_.give_back, options_.give_back_flat) == 0 ||
+          (give_back() && fit(predicted_, kStepsAfterwards)));
+}
+
+/// v' = v + mean over triangles f at v of [(c(f) - v) . n(f)] n(f).
+bool NormalCascade::fit(std::span<const SimdVec3> normals, std::uint32_t steps) {
+  if (!for_each(normals_.size(), run_, [&](std::size_t f) { normals_[f] = normals[f]; })) return false;
+  faces().swap_normals(normals_);
+  bool going = true;
+  for (std::uint32_t step = 0; going && step < steps; ++step) {
+    going = faces().measure_centroids(now_) && for_each(now_.size(), run_, [&](std::size_t v) {
+              if (movable(v)) next_[v] = now_[v] + faces().offset_by_count(now_[v], v);
+            });
+    now_.swap(next_);
+  }
+  faces().swap_normals(normals_);
+  return going;
+}
+
+SimdVec3 NormalCascade::normal_at(std::size_t v) const {
+  SimdVec3 sum;
+  for (const Index f : surface_.topology.vertex_faces[v]) sum += predicted_[f];
+  return unit_or(sum, 1, {});
+}
+
+double NormalCascade::share_of_flat_edges() const {
+  const auto& across = surface_.topology.face_neighbours;
+  const auto count = [&](float bound) {
+    return parallel_sum(across.size(), run_, [&](std::size_t begin, std::size_t end) {
+      double edges = 0;
+      for (std::size_t f = begin; f < end; ++f) {
+        for (const Index g : across[f]) edges += g != kNone && length(predicted_[f] - predicted_[g]) < bound;
+      }
+      return edges;
+    });
+  };
+  constexpr float kAny = 3;
+  return count(kFlatEdge) / std::max(count(kAny), 1.0);
+}
+
+bool NormalCascade::average_heights(std::uint32_t rings) {
+  bool going = true;
+  for (std::uint32_t ring = 0; going && ring < rings; ++ring) {
+    going = for_each(now_.size(), run_, [&](std::size_t v) {
+      const auto row = surface_.topology.vertex_neighbours[v];
+      float sum = heights_[v];
+      for (const Index w : row) sum += heights_[w];
+      next_heights_[v] = sum / (1 + static_cast<float>(row.size()));
+    });
+    heights_.swap(next_heights_);
+  }
+  return going;
+}
+
+/// What the vertices lost in height, without its fast changes, which are the noise.
+bool NormalCascade::give_back() {
+  const auto flat =
+      static_cast<float>(std::clamp((share_of_flat_edges() - kCurved) / (kFlat - kCurved), 0.0, 1.0));
+  // By rings: heights_ after the fewer, then after the more.
+  const auto [fewer, more] = std::minmax(options_.give_back, options_.give_back_flat);
+  const float by_more = options_.give_back <= options_.give_back_flat ? flat : 1 - flat;
+  return for_each(
+             now_.size(), run_,
+             [&](std::size_t v) { heights_[v] = movable(v) ? dot(home(v) - now_[v], normal_at(v)) : 0; }) &&
+         average_heights(fewer) &&
+         for_each(now_.size(), run_, [&](std::size_t v) { near_heights_[v] = heights_[v]; }) &&
+         average_heights(by_more > 0 ? more - fewer : 0) && for_each(now_.size(), run_, [&](std::size_t v) {
+           const float height = near_heights_[v] + (heights_[v] - near_heights_[v]) * by_more;
+           if (movable(v)) now_[v] = next_[v] = now_[v] + normal_at(v) * height;
+         });
+}
+
+bool NormalCascade::stay_behind(float share) {
+  return for_each(now_.size(), run_, [&](std::size_t v) { now_[v] = home(v) + (now_[v] - home(v)) * share; });
+}
+
+bool NormalCascade::go_beyond(float share) {
+  Buffer<SimdVec3> learned(now_.size()), wide(fields_.size());
+  return for_each(now_.size(), run_, [&](std::size_t v) { learned[v] = now_[v]; }) && fields_.measure(now_) &&
+         for_each(wide.size(), run_, [&](std::size_t f) { wide[f] = fields_.field(kWidest, f); }) &&
+         fit(wide, options_.vertex_steps) && for_each(now_.size(), run_, [&](std::size_t v) {
+           now_[v] = learned[v] + (now_[v] - learned[v]) * share;
+         });
+}
+
+bool NormalCascade::against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const {
+  const float side = fields_.faces().side(f);
+  return dot(cross(b - a, c - a) * side, predicted_[f]) < 0;
+}
+
+/// Half the way, and half of that, and home.
+bool NormalCascade::unflip() {
+  constexpr int kHalvings = 6, kMostRounds = 100;
+  std::vector<std::uint8_t> back(now_.size());
+  for (int round = 0; round < kMostRounds; ++round) {
+    bool any = false;
+    for (std::size_t f = 0; f < fields_.size(); ++f) {
+      if (f % kBlockSize == 0 && run_.stopped()) return false;
+      const auto& [a, b, c] = surface_.mesh.triangles[f];
+      if (!against(f, now_[a], now_[b], now_[c]) || against(f, home(a), home(b), home(c))) continue;
+      any = true;
+      for (const Index v : {a, b, c}) back[v] = static_cast<std::uint8_t>(round + 1);
+    }
+    if (!any) break;
+    for (std::size_t v = 0; v < now_.size(); ++v) {
+      if (back[v] != round + 1) continue;
+      now_[v] = round < kHalvings ? home(v) + (now_[v] - home(v)) * 0.5F : home(v);
+    }
+  }
+  return true;
+}
+
+}  // namespace burnish

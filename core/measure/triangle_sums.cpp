@@ -1,0 +1,203 @@
+#include "core/measure/triangle_sums.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/mesh/simd_vec3.h"
+#include "core/run/math.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+// Every function below is inlined into entry points that are compiled for one vector width each.
+#define BURNISH_INLINE [[gnu::always_inline]] inline
+
+namespace burnish::triangle_sums {
+namespace {
+
+using Floats = SimdVec3::Lanes;
+using Doubles = double __attribute__((vector_size(32)));
+using Vectors = Vec3<Doubles>;
+constexpr std::size_t kLanes = 4;
+
+BURNISH_INLINE double sum_of(const Doubles& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
+BURNISH_INLINE double largest_of(const Doubles& lanes) {
+  return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
+}
+BURNISH_INLINE Doubles larger(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
+/// Square roots, without the errno of the library's, which keeps them apart.
+BURNISH_INLINE Doubles root(const Doubles& lanes) {
+#if defined(__x86_64__)
+  struct Halves {
+    __m128d low, high;
+  } halves = std::bit_cast<Halves>(lanes);
+  return std::bit_cast<Doubles>(Halves{_mm_sqrt_pd(halves.low), _mm_sqrt_pd(halves.high)});
+#else
+  return Doubles{std::sqrt(lanes[0]), std::sqrt(lanes[1]), std::sqrt(lanes[2]), std::sqrt(lanes[3])};
+#endif
+}
+BURNISH_INLINE Doubles times(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+BURNISH_INLINE Vectors minus(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+BURNISH_INLINE Vectors across(const Vectors& a, const Vectors& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// portable_angle() in each lane, to the bit; of what is no number, any angle.
+BURNISH_INLINE Doubles angle_of(const Doubles& y, const Doubles& x) {
+  using FourInts = std::int32_t __attribute__((vector_size(16)));
+  constexpr Doubles kZero{};
+  const Doubles size = x < kZero ? -x : x;
+  const auto steep = y > size;
+  const Doubles over = steep ? size : y, under = steep ? y : size;
+  Doubles t = over / under;
+  t = t <= kZero + 1 ? t : kZero;  // 0/0, and what is no number
+  // The nearest sixteenth takes most of the angle; of the rest, below 1/32, six terms of the series reach
+  // double accuracy.
+  const auto nearest = __builtin_convertvector(t * 16 + 0.5, FourInts);
+  const Doubles sixteenths = __builtin_convertvector(nearest, Doubles) / 16;
+  const Doubles table = {kArctangents[nearest[0]], kArctangents[nearest[1]], kArctangents[nearest[2]],
+                         kArctangents[nearest[3]]};
+  const Doubles rest = (t - sixteenths) / (t * sixteenths + 1), s = rest * rest;
+  Doubles sum = kZero;
+  for (int k = 11; k >= 1; k -= 2) sum = 1.0 / k - s * sum;
+  Doubles acute = table + rest * sum;
+  acute = steep ? kPi / 2 - acute : acute;
+  return x < kZero ? kPi - acute : acute;
+}
+
+/// One vertex per lane.
+BURNISH_INLINE Vectors gather(std::span<const Vec3f> positions, const Index (&vertices)[kLanes]) {
+  const Floats p0 = SimdVec3(positions[vertices[0]]).lanes(), p1 = SimdVec3(positions[vertices[1]]).lanes(),
+               p2 = SimdVec3(positions[vertices[2]]).lanes(), p3 = SimdVec3(positions[vertices[3]]).lanes();
+  const Floats xy01 = __builtin_shufflevector(p0, p1, 0, 4, 1, 5),
+               xy23 = __builtin_shufflevector(p2, p3, 0, 4, 1, 5),
+               z01 = __builtin_shufflevector(p0, p1, 2, 6, 3, 7),
+               z23 = __builtin_shufflevector(p2, p3, 2, 6, 3, 7);
+  return {__builtin_convertvector(__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5), Doubles),
+          __builtin_convertvector(__builtin_shufflevector(xy01, xy23, 2, 3, 6, 7), Doubles),
+          __builtin_convertvector(__builtin_shufflevector(z01, z23, 0, 1, 4, 5), Doubles)};
+}
+
+/// Four triangles by corner; at the end the last one again, with the weight 0.
+struct Quad {
+  Index corners[3][kLanes];
+  Doubles weight;
+
+  BURNISH_INLINE Quad(std::span<const Triangle> triangles, std::size_t first) {
+    const std::size_t count = triangles.size() - first;
+    if (count >= kLanes) {
+      take(&triangles[first]);
+      weight = Doubles{1, 1, 1, 1};
+    } else {
+      Triangle some[kLanes];
+      for (std::size_t i = 0; i < kLanes; ++i) some[i] = triangles[first + std::min(i, count - 1)];
+      take(some);
+      weight = Doubles{1, count > 1 ? 1.0 : 0.0, count > 2 ? 1.0 : 0.0, 0};
+    }
+  }
+
+ private:
+  BURNISH_INLINE void take(const Triangle* four) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) corners[c][i] = four[i][c];
+    }
+  }
+};
+
+BURNISH_INLINE Shape shape_of(std::span<const Triangle> triangles, std::span<const Vec3f> positions) {
+  Doubles area{}, volume{}, sharpest_dot{}, sharpest_cross = Doubles{} + 1;
+  for (std::size_t t = 0; t < triangles.size(); t += kLanes) {
+    const Quad quad(triangles, t);
+    const Vectors a = gather(positions, quad.corners[0]), b = gather(positions, quad.corners[1]),
+                  c = gather(positions, quad.corners[2]);
+    const Vectors ab = minus(b, a), bc = minus(c, b), ca = minus(a, c), normal = across(ab, bc);
+    const Doubles twice_area = root(times(normal, normal));
+    area += twice_area * quad.weight;
+    volume += times(a, across(b, c)) * quad.weight;
+    const Doubles largest = larger(larger(-times(ab, ca), -times(ab, bc)), -times(bc, ca));
+    const Doubles zero{}, dot = twice_area > zero ? largest : zero + 1;
+    const auto sharper = sharpest_dot * twice_area < dot * sharpest_cross;
+    sharpest_dot = sharper ? dot : sharpest_dot;
+    sharpest_cross = sharper ? twice_area : sharpest_cross;
+  }
+  Shape shape{sum_of(area) / 2, sum_of(volume) / 6, {}};
+  for (std::size_t i = 0; i < kLanes; ++i)
+    shape.sharpest = std::max(shape.sharpest, Cotangent{sharpest_dot[i], sharpest_cross[i]});
+  return shape;
+}
+
+BURNISH_INLINE Vectors area_normal(std::span<const Vec3f> positions, const Quad& quad) {
+  const Vectors a = gather(positions, quad.corners[0]);
+  return across(minus(gather(positions, quad.corners[1]), a), minus(gather(positions, quad.corners[2]), a));
+}
+
+BURNISH_INLINE Doubles gather(std::span<const double> values, const Index (&vertices)[kLanes]) {
+  return Doubles{values[vertices[0]], values[vertices[1]], values[vertices[2]], values[vertices[3]]};
+}
+
+BURNISH_INLINE Errors errors_of(std::span<const Triangle> triangles, std::span<const Vec3f> positions,
+                                std::span<const double> squared, std::span<const Vec3f> others) {
+  const Doubles zero{}, right_angle = zero + kPi / 2;
+  Doubles area{}, weighted{}, angles{}, largest{}, compared{}, flipped{};
+  for (std::size_t t = 0; t < triangles.size(); t += kLanes) {
+    const Quad quad(triangles, t);
+    const Vectors ours = area_normal(positions, quad);
+    const Doubles size = times(ours, ours), twice_area = root(size) * quad.weight;
+    area += twice_area;
+    weighted += twice_area * (gather(squared, quad.corners[0]) + gather(squared, quad.corners[1]) +
+                              gather(squared, quad.corners[2]));
+    if (others.empty()) continue;
+    const Vectors theirs = area_normal(others, quad), both = across(ours, theirs);
+    const Doubles angle = angle_of(root(times(both, both)), times(ours, theirs));
+    const Doubles counts = (size > zero) & (times(theirs, theirs) > zero) ? quad.weight : zero;
+    const Doubles counted = counts > zero ? angle : zero;
+    angles += counted;
+    largest = larger(counted, largest);
+    compared += counts;
+    flipped += counted > right_angle ? counts : zero;
+  }
+  return {sum_of(area) / 2,
+          sum_of(weighted) / 2,
+          sum_of(angles),
+          largest_of(largest),
+          static_cast<std::uint32_t>(sum_of(compared)),
+          static_cast<std::uint32_t>(sum_of(flipped))};
+}
+
+Shape shape_128(std::span<const Triangle> triangles, std::span<const Vec3f> positions) {
+  return shape_of(triangles, positions);
+}
+Errors errors_128(std::span<const Triangle> triangles, std::span<const Vec3f> positions,
+                  std::span<const double> squared, std::span<const Vec3f> others) {
+  return errors_of(triangles, positions, squared, others);
+}
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] Shape shape_256(std::span<const Triangle> triangles,
+                                        std::span<const Vec3f> positions) {
+  return shape_of(triangles, positions);
+}
+[[gnu::target("avx2")]] Errors errors_256(std::span<const Triangle> triangles,
+                                          std::span<const Vec3f> positions, std::span<const double> squared,
+                                          std::span<const Vec3f> others) {
+  return errors_of(triangles, positions, squared, others);
+}
+#endif
+
+}  // namespace
+
+std::vector<Functions> functions_here() {
+  std::vector<Functions> here{{shape_128, errors_128}};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) here.push_back({shape_256, errors_256});
+#endif
+  return here;
+}
+
+const Functions& functions() {
+  static const Functions kWidest = functions_here().back();
+  return kWidest;
+}
+
+}  // namespace burnish::triangle_sums

@@ -1,0 +1,78 @@
+#include "core/smooth/auto.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "core/measure/noise_estimate.h"
+#include "core/smooth/learned_normals.h"
+#include "core/smooth/parameters.h"
+
+namespace burnish {
+namespace {
+
+/// Noise in mean edge lengths up to which a mesh is as good as clean, and from which on all of it goes.
+constexpr double kClean = 0.03, kNoisy = 0.045;
+
+/// How much of what the networks would take away is noise: from 0 to 1, in hundredths, so that it can be
+/// written down.
+double share_of_noise(double sigma) {
+  const double x = std::clamp((sigma - kClean) / (kNoisy - kClean), 0.0, 1.0);
+  return std::round(100 * x * x * (3 - 2 * x)) / 100;
+}
+
+std::string reason(const NoiseEstimate& noise, double share) {
+  std::array<char, 200> text{};
+  if (share == 0) {
+    std::snprintf(text.data(), text.size(),
+                  "the noise, %.3f mean edges, is no more than a clean mesh shows: nothing to take away",
+                  noise.sigma_over_edge);
+  } else {
+    std::snprintf(text.data(), text.size(), "%s noise of %.3f mean edges%s",
+                  std::string(name_of(noise.kind)).c_str(), noise.sigma_over_edge,
+                  share < 1 ? ", near that of a clean mesh: only part of the way" : "");
+  }
+  return text.data();
+}
+
+}  // namespace
+
+Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, const IterationOptions& options,
+                                  const RunControl& run) {
+  const NoiseEstimate noise = estimate_noise(surface, run);
+  if (run.stopped()) return run.stop_error();
+  const double share = share_of_noise(noise.sigma_over_edge);
+  const LearnedNormalsParams chosen{.strength = params.strength * share};
+  IterationOptions stages = options;
+  if (chosen.strength == 0) stages.iterations = 0;
+  auto outcome = smooth_learned_normals(surface, chosen, stages, run);
+  if (!outcome) return outcome.error();
+  outcome->choice = MethodChoice{
+      .method = "learned_normals",
+      .parameters = {{"iterations", std::int64_t{stages.iterations}}, {"strength", chosen.strength}},
+      .reason = reason(noise, share)};
+  return outcome;
+}
+
+Method auto_method() {
+  constexpr AutoParams kDefaults;
+  return {.name = "auto",
+          .summary =
+              "Looks at the mesh and does what suits it: nothing to a clean one, and to a noisy one what "
+              "learned_normals would, the more carefully the less noise there is.",
+          .reference = "see learned_normals",
+          .formula =
+              "strength' = strength s((sigma/h - 0.03) / 0.015),  s(x) = x^2 (3 - 2 x) for x within 0 to 1",
+          .parameters = with_iteration_parameters(
+              {number_parameter("strength", kDefaults.strength, 0, 2, "1",
+                                "0 leaves the mesh as it is, 1 takes away what looks like noise, 2 more.")},
+              kLearnedStages),
+          .work_memory = learned_normals_method().work_memory,
+          .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
+            return smooth_auto(surface, {.strength = values.number("strength")},
+                               iteration_options(values, surface), run);
+          }};
+}
+
+}  // namespace burnish

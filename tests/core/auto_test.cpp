@@ -1,0 +1,124 @@
+// Smoothing without a parameter: better than what it got on every shape, and harmless where there is nothing
+// to do.
+#include "core/smooth/auto.h"
+
+#include <gtest/gtest.h>
+
+#include "core/denoise/normal_network.h"
+#include "core/measure/error.h"
+#include "core/measure/quality.h"
+#include "core/shape/noise.h"
+#include "core/smooth/learned_normals.h"
+#include "tests/support/procedural.h"
+
+namespace burnish {
+namespace {
+
+using namespace burnish::testing;
+using Given = std::map<std::string, ParameterValue>;
+
+SmoothOutcome run(Surface& surface, const char* name, const Given& given = {}) {
+  const Method& method = **find_method(name);
+  auto outcome = method.run(surface, *resolve_parameters(method, given), {});
+  EXPECT_TRUE(outcome);
+  return *outcome;
+}
+
+/// Seeds 11 and up were not trained on.
+Surface shape_named(const std::string& name) { return surface_of(procedural_shape(name, 11, 12'000).shape); }
+
+Surface noisy(const Surface& clean, double sigma) {
+  Surface surface = clean;
+  EXPECT_TRUE(add_noise(surface, {.amplitude = sigma, .seed = 5}));
+  return surface;
+}
+
+double ev(const Surface& surface, const Surface& clean) {
+  return measure_errors(surface, surface.mesh.positions, clean, clean.mesh.positions, true, {})->ev_over_edge;
+}
+
+double rms_displacement(const Surface& before, const Surface& after) {
+  return measure_change(after, before.mesh.positions, after.mesh.positions, {})->rms_displacement /
+         (before.mean_edge * before.mesh.frame.scale());
+}
+
+class AutoOnShape : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(AutoOnShape, TakesMostOfTheNoiseAway) {
+  const Surface clean = shape_named(GetParam());
+  for (const double sigma : {0.1, 0.3}) {
+    Surface surface = noisy(clean, sigma);
+    const double before = ev(surface, clean);
+    const SmoothOutcome outcome = run(surface, "auto");
+    EXPECT_LT(ev(surface, clean), 0.75 * before) << sigma;
+    EXPECT_EQ(outcome.iterations, kLearnedStages);
+  }
+}
+
+TEST_P(AutoOnShape, LeavesACleanMeshAsItIs) {
+  const Surface clean = shape_named(GetParam());
+  Surface surface = clean;
+  const SmoothOutcome outcome = run(surface, "auto");
+  EXPECT_TRUE(surface.mesh.positions == clean.mesh.positions);
+  EXPECT_EQ(outcome.iterations, 0U);
+  EXPECT_NE(outcome.choice->reason.find("nothing to take away"), std::string::npos);
+}
+
+TEST_P(AutoOnShape, FindsNothingToDoASecondTime) {
+  Surface once = noisy(shape_named(GetParam()), 0.2);
+  run(once, "auto");
+  Surface twice = once;
+  run(twice, "auto");
+  EXPECT_LT(rms_displacement(once, twice), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Procedural, AutoOnShape, ::testing::ValuesIn(procedural_names()),
+                         [](const auto& row) { return row.param; });
+
+TEST(Auto, SaysWhatToAskForToGetTheSame) {
+  for (const double sigma : {0.04, 0.2}) {
+    const Surface start = noisy(shape_named("shaft"), sigma);
+    Surface chosen = start, asked = start;
+    const SmoothOutcome outcome = run(chosen, "auto", {{"strength", 0.5}});
+    ASSERT_TRUE(outcome.choice);
+    EXPECT_EQ(outcome.choice->method, "learned_normals");
+    EXPECT_NE(outcome.choice->reason.find("gaussian noise"), std::string::npos) << outcome.choice->reason;
+    run(asked, outcome.choice->method.c_str(), outcome.choice->parameters);
+    EXPECT_TRUE(chosen.mesh.positions == asked.mesh.positions);
+    EXPECT_FALSE(chosen.mesh.positions == start.mesh.positions);
+  }
+}
+
+TEST(Auto, GoesFartherTheStrongerItIsAsked) {
+  const Surface start = noisy(shape_named("coarse_bumps"), 0.2);
+  double last = -1;
+  for (const double strength : {0.0, 0.5, 1.0, 2.0}) {
+    Surface surface = start;
+    run(surface, "auto", {{"strength", strength}});
+    const double moved = rms_displacement(start, surface);
+    EXPECT_GT(moved, last) << strength;
+    last = moved;
+  }
+  Surface untouched = start;
+  run(untouched, "auto", {{"strength", 0.0}});
+  EXPECT_TRUE(untouched.mesh.positions == start.mesh.positions);
+}
+
+TEST(LearnedNormals, TurnNoTriangleAgainstWhatTheySee) {
+  for (const char* name : {"gem", "fine_bumps", "gear"}) {
+    const Surface clean = shape_named(name);
+    Surface surface = noisy(clean, 0.3);
+    const auto flipped = [&] {
+      return *measure_errors(surface, surface.mesh.positions, clean, clean.mesh.positions, true, {})
+                  ->flipped_triangles;
+    };
+    const auto before = flipped();
+    run(surface, "learned_normals");
+    EXPECT_LE(flipped(), before) << name;
+  }
+}
+
+TEST(NormalNetworks, AreOnePerStage) { EXPECT_EQ(normal_networks().size(), kLearnedStages); }
+
+}  // namespace
+}  // namespace burnish
