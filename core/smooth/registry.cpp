@@ -94,6 +94,7 @@ Result<ParameterValue> checked_value(const ParameterSpec& spec, const ParameterV
 
 std::span<const Method> methods() {
   static const std::vector<Method> kMethods = {
+      auto_method(),
       adaptive_method(),
       laplacian_method(),
       taubin_method(),
@@ -113,7 +114,6 @@ std::span<const Method> methods() {
       guided_method(),
       robust_normals_method(),
       learned_normals_method(),
-      auto_method(),
   };
   return kMethods;
 }

@@ -65,6 +65,8 @@ std::string to_json(const google::protobuf::Message& message, bool compact) {
   if (!google::protobuf::util::MessageToJsonString(message, &text, options).ok()) return "{}";
   Json json = Json::parse(text);
   sort_parameters(json);
+  if (const auto choice = json.find("choice"); choice != json.end() && choice->is_object())
+    sort_parameters(*choice);
   return json.dump(compact ? -1 : 2);
 }
 

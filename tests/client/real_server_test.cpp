@@ -81,7 +81,7 @@ TEST(RealServer, AnswersOnAUnixDomainSocket) {
   const auto server = start(config);
   const auto reply = SmoothingClient("unix:" + config.grpc_listen.path).list_methods();
   ASSERT_TRUE(reply.ok()) << reply.error().message;
-  EXPECT_EQ(reply->methods(0).name(), "adaptive");
+  EXPECT_EQ(reply->methods(0).name(), "auto");
 }
 
 TEST(RealServer, RefusesWhatDoesNotFitBeforeItIsSent) {

@@ -11,10 +11,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(Registry, OffersAdaptiveFirst) {
-  EXPECT_EQ(methods().front().name, "adaptive");
-  EXPECT_EQ((*find_method(""))->name, "adaptive");
-  for (const char* name : {"laplacian", "taubin", "mean_curvature_flow"})
+TEST(Registry, OffersAutoFirst) {
+  EXPECT_EQ(methods().front().name, "auto");
+  EXPECT_EQ((*find_method(""))->name, "auto");
+  for (const char* name : {"adaptive", "laplacian", "taubin", "mean_curvature_flow"})
     EXPECT_TRUE(find_method(name)) << name;
 }
 

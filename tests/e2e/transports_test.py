@@ -146,7 +146,7 @@ class Transports(MeshTest):
         self.assertEqual(json.loads(self.server.curl("/v1/methods").body), listed)
         reply = self.server.stub().ListMethods(smoothing_pb2.ListMethodsRequest())
         self.assertEqual([m.name for m in reply.methods], [m["name"] for m in listed["methods"]])
-        self.assertEqual(listed["methods"][0]["name"], "adaptive")
+        self.assertEqual(listed["methods"][0]["name"], "auto")
 
     def test_the_server_says_that_it_lives_and_is_ready(self):
         for path in "/livez", "/readyz":

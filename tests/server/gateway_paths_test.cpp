@@ -25,7 +25,7 @@ TEST(GatewayPaths, ListsTheMethods) {
   EXPECT_EQ(response.headers.at("Content-Type"), "application/json");
   const json methods = body_of(response)["methods"];
   EXPECT_EQ(methods.size(), static_cast<std::size_t>(list_methods().methods_size()));
-  EXPECT_EQ(methods[0]["name"], "adaptive");
+  EXPECT_EQ(methods[0]["name"], "auto");
 }
 
 TEST(GatewayPaths, IsReadyOnlyWhileServingButAliveAlways) {

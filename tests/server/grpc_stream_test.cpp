@@ -108,6 +108,7 @@ TEST(SmoothStream, TellsEveryStageInOrderAndEndsBeforeTheResult) {
   RunningGrpc server;
   SmoothCall call(server);
   v1::SmoothStart start;
+  start.mutable_options()->set_method("adaptive");
   start.mutable_options()->set_iterations(4000);  // long enough for several messages
   call.start(start);
   call.upload(testing::to_obj(testing::with_noise(testing::grid(60), 0.001)));

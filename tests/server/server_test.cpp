@@ -254,6 +254,7 @@ TEST(Server, AGrpcClientThatGoesAwayFreesItsWorker) {
   v1::SmoothRequest request;
   v1::SmoothResponse response;
   request.set_mesh(large_mesh());
+  request.mutable_options()->set_method("adaptive");
   request.mutable_options()->set_iterations(100'000);
   grpc::ClientContext context;
   auto call =
@@ -269,7 +270,7 @@ TEST(Server, AnHttpClientThatGoesAwayFreesItsWorker) {
   Watched job;
   RunningServer server(one_core(), job.smoother());
   RawHttp connection(server->http_address().port);
-  ASSERT_TRUE(connection.send_request("POST", "/v1/smooth?iterations=100000", large_mesh()));
+  ASSERT_TRUE(connection.send_request("POST", "/v1/smooth?method=adaptive&iterations=100000", large_mesh()));
   job.wait_for_iterations();
   const auto gone = Clock::now();
   connection.close();

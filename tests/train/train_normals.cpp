@@ -113,7 +113,8 @@ std::vector<Scene> make_scenes(const std::vector<Clean>& meshes) {
 /// What the next stage would see of the scenes after the stages that there are.
 Samples look_at(const std::vector<Scene>& scenes, std::span<const NormalNetwork> networks) {
   const RunControl run{.threads = 0};
-  const CascadeOptions options;
+  // Six rings for every surface: the choice by flatness came after what is shipped was trained.
+  const CascadeOptions options{.vertex_steps = 20, .give_back = 6, .give_back_flat = 6};
   std::size_t most = 0;
   for (const Scene& scene : scenes) most += scene.samples;
   Samples samples(static_cast<Eigen::Index>(most));
