@@ -98,6 +98,7 @@ TEST(GrpcCaller, CancelsWhileTheJobRuns) {
   RunningGrpc server({.config = one_worker()});
   SmoothCall call(server);
   v1::SmoothStart start;
+  start.mutable_options()->set_method("laplacian");
   start.mutable_options()->set_iterations(100'000);
   call.start(start);
   call.upload(testing::to_obj(testing::with_noise(testing::grid(200), 0.001)));
