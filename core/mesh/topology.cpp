@@ -80,7 +80,7 @@ class StarLinker {
     Index next, last;
   };
   static Corner corner_at(Index vertex, const Triangle& t) {
-    constexpr std::uint8_t kNext[] = {1, 2, 0}, kLast[] = {2, 0, 1};
+    constexpr std::uint8_t kNext[] = {1, 2, 0, 0}, kLast[] = {2, 0, 1, 0};  // no triangle gives side 3
     const auto side = static_cast<std::uint8_t>((t[1] == vertex) + 2 * (t[2] == vertex));
     return {side, t[kNext[side]], t[kLast[side]]};
   }

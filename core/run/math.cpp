@@ -25,7 +25,7 @@ constexpr auto kInverseFactorials = [] {
 // double accuracy.
 double arctangent_up_to_one(double t) {
   if (std::isnan(t)) return t;  // of two infinities: it has no place in the table
-  const auto nearest = static_cast<std::size_t>(t * 16 + 0.5);
+  const auto nearest = static_cast<std::size_t>((t * 32 + 1) / 2);
   const double sixteenths = static_cast<double>(nearest) / 16;
   const double rest = (t - sixteenths) / (1 + t * sixteenths), s = rest * rest;
   double sum = 0;
