@@ -56,7 +56,7 @@ Method guided_method() {
           count_parameter("vertex_steps", kDefaults.vertex_steps, 1, 100,
                           "How often the vertices move per iteration."),
       }),
-      .work_memory = {.per_vertex = 180, .per_triangle = 235},
+      .work_memory = {.per_vertex = 180, .per_triangle = 360},
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_guided(surface,
                              {.sigma_r = values.number("sigma_r"),

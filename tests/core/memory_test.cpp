@@ -26,7 +26,7 @@ bool restart_peak() {
   return static_cast<bool>(file << "5" << std::flush);
 }
 
-/// The defaults, and each choice of each parameter.
+/// The defaults, each choice of each parameter, and the largest radius where there is one.
 std::vector<ParameterValues> variants(const Method& method) {
   std::vector<ParameterValues> all{*resolve_parameters(method, {})};
   for (const ParameterSpec& spec : method.parameters) {
@@ -34,6 +34,9 @@ std::vector<ParameterValues> variants(const Method& method) {
       all.push_back(all.front());
       all.back().values[spec.name] = choice;
     }
+    if (spec.name != "radius") continue;
+    all.push_back(all.front());
+    all.back().values[spec.name] = spec.maximum;
   }
   for (ParameterValues& each : all) each.values["iterations"] = std::int64_t{2};
   return all;
