@@ -16,8 +16,6 @@ constexpr std::size_t kOutputs = (kFields + kTogether - 1) / kTogether * kTogeth
 
 using Lanes = float __attribute__((vector_size(4 * kFaces)));
 
-constexpr std::size_t layer_size(std::size_t inputs, std::size_t outputs) { return outputs * (inputs + 1); }
-
 /// Rows by fours: the four biases, then for each input the four factors.
 void regroup(std::span<const float> matrix, std::span<const float> bias, std::size_t outputs,
              std::vector<float>& to) {

@@ -151,7 +151,7 @@ BURNISH_INLINE Errors errors_of(std::span<const Triangle> triangles, std::span<c
     if (others.empty()) continue;
     const Vectors theirs = area_normal(others, quad), both = across(ours, theirs);
     const Doubles angle = angle_of(root(times(both, both)), times(ours, theirs));
-    const Doubles counts = (size > zero) & (times(theirs, theirs) > zero) ? quad.weight : zero;
+    const Doubles counts = ((size > zero) & (times(theirs, theirs) > zero)) ? quad.weight : zero;
     const Doubles counted = counts > zero ? angle : zero;
     angles += counted;
     largest = larger(counted, largest);
