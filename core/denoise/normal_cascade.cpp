@@ -24,9 +24,9 @@ NormalCascade::NormalCascade(const Surface& surface, std::span<const std::uint8_
       options_(options),
       networks_(networks),
       run_(run),
-      fields_(surface, run),
-      normals_(fields_.size()),
-      predicted_(fields_.size()),
+      faces_(surface, FaceNeighbourhood::Vertices, run),
+      patches_(surface, faces_, run),
+      predicted_(faces_.size()),
       now_(movable_.size()),
       next_(movable_.size()),
       heights_(movable_.size()),
@@ -35,7 +35,10 @@ NormalCascade::NormalCascade(const Surface& surface, std::span<const std::uint8_
 
 bool NormalCascade::advance(std::span<const SimdVec3> from) {
   const NormalNetwork& network = networks_[std::min(stage_++, networks_.size() - 1)];
-  return fields_.measure(from) && network.predict(fields_, run_, predicted_) &&
+  const auto predict = [&](const NormalFields& fields) {
+    return network.predict(fields, patches_.whole(), run_, predicted_);
+  };
+  return patches_.measure(from, predict) &&
          for_each(now_.size(), run_, [&](std::size_t v) { now_[v] = next_[v] = from[v]; }) &&
          fit(predicted_, options_.vertex_steps) &&
          (std::max(options_.give_back, options_.give_back_flat) == 0 ||
@@ -43,17 +46,16 @@ bool NormalCascade::advance(std::span<const SimdVec3> from) {
 }
 
 /// v' = v + mean over triangles f at v of [(c(f) - v) . n(f)] n(f).
-bool NormalCascade::fit(std::span<const SimdVec3> normals, std::uint32_t steps) {
-  if (!for_each(normals_.size(), run_, [&](std::size_t f) { normals_[f] = normals[f]; })) return false;
-  faces().swap_normals(normals_);
+bool NormalCascade::fit(Buffer<SimdVec3>& normals, std::uint32_t steps) {
+  faces_.swap_normals(normals);
   bool going = true;
   for (std::uint32_t step = 0; going && step < steps; ++step) {
-    going = faces().measure_centroids(now_) && for_each(now_.size(), run_, [&](std::size_t v) {
-              if (movable(v)) next_[v] = now_[v] + faces().offset_by_count(now_[v], v);
+    going = faces_.measure_centroids(now_) && for_each(now_.size(), run_, [&](std::size_t v) {
+              if (movable(v)) next_[v] = now_[v] + faces_.offset_by_count(now_[v], v);
             });
     now_.swap(next_);
   }
-  faces().swap_normals(normals_);
+  faces_.swap_normals(normals);
   return going;
 }
 
@@ -115,16 +117,19 @@ bool NormalCascade::stay_behind(float share) {
 }
 
 bool NormalCascade::go_beyond(float share) {
-  Buffer<SimdVec3> learned(now_.size()), wide(fields_.size());
-  return for_each(now_.size(), run_, [&](std::size_t v) { learned[v] = now_[v]; }) && fields_.measure(now_) &&
-         for_each(wide.size(), run_, [&](std::size_t f) { wide[f] = fields_.field(kWidest, f); }) &&
-         fit(wide, options_.vertex_steps) && for_each(now_.size(), run_, [&](std::size_t v) {
-           now_[v] = learned[v] + (now_[v] - learned[v]) * share;
-         });
+  Buffer<SimdVec3> learned(now_.size()), wide(faces_.size());
+  const auto take_widest = [&](const NormalFields& fields) {
+    return for_each(fields.size(), run_,
+                    [&](std::size_t f) { wide[fields.number(f)] = fields.field(kWidest, f); });
+  };
+  return for_each(now_.size(), run_, [&](std::size_t v) { learned[v] = now_[v]; }) &&
+         patches_.measure(now_, take_widest) && fit(wide, options_.vertex_steps) &&
+         for_each(now_.size(), run_,
+                  [&](std::size_t v) { now_[v] = learned[v] + (now_[v] - learned[v]) * share; });
 }
 
 bool NormalCascade::against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const {
-  const float side = fields_.faces().side(f);
+  const float side = faces_.side(f);
   return dot(cross(b - a, c - a) * side, predicted_[f]) < 0;
 }
 
@@ -134,7 +139,7 @@ bool NormalCascade::unflip() {
   std::vector<std::uint8_t> back(now_.size());
   for (int round = 0; round < kMostRounds; ++round) {
     bool any = false;
-    for (std::size_t f = 0; f < fields_.size(); ++f) {
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
       if (f % kBlockSize == 0 && run_.stopped()) return false;
       const auto& [a, b, c] = surface_.mesh.triangles[f];
       if (!against(f, now_[a], now_[b], now_[c]) || against(f, home(a), home(b), home(c))) continue;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/denoise/normal_network.h"
+#include "core/denoise/normal_patches.h"
 
 namespace burnish {
 
@@ -39,10 +40,9 @@ class NormalCascade {
   bool movable(std::size_t v) const { return movable_[v] != 0; }
 
  private:
-  Faces& faces() { return fields_.faces(); }
   SimdVec3 home(std::size_t v) const { return SimdVec3(surface_.mesh.positions[v]); }
   SimdVec3 normal_at(std::size_t v) const;
-  bool fit(std::span<const SimdVec3> normals, std::uint32_t steps);
+  bool fit(Buffer<SimdVec3>& normals, std::uint32_t steps);
   bool give_back();
   bool average_heights(std::uint32_t rings);
   double share_of_flat_edges() const;
@@ -53,8 +53,9 @@ class NormalCascade {
   const CascadeOptions& options_;
   const std::span<const NormalNetwork> networks_;
   const RunControl& run_;
-  NormalFields fields_;
-  Buffer<SimdVec3> normals_, predicted_, now_, next_;
+  Faces faces_;
+  NormalPatches patches_;
+  Buffer<SimdVec3> predicted_, now_, next_;
   Buffer<float> heights_, next_heights_, near_heights_;
   std::size_t stage_ = 0;
 };

@@ -7,7 +7,7 @@
 #include <array>
 #include <span>
 
-#include "core/smooth/normal_filter.h"
+#include "core/denoise/face_patch.h"
 
 namespace burnish {
 
@@ -24,49 +24,64 @@ class NormalFields {
   using Inputs = std::array<float, kInputs>;
   using Weights = std::array<float, kFields>;
 
-  NormalFields(const Surface& surface, const RunControl& run);
+  /// Means of differences over the whole mesh.
+  using Whole = std::array<float, kGlobals>;
+  /// Rings around the faces of a patch that their inputs depend on.
+  static constexpr std::uint32_t kRings = 20;
 
-  /// Everything from positions, but for the means over the whole mesh, which are those of the first call:
-  /// later ones see a smoother mesh, and would not know any more how noisy it was. False when stopped.
-  bool measure(std::span<const SimdVec3> positions);
+  /// Offsets are told in mean edge lengths.
+  explicit NormalFields(double mean_edge) : mean_edge_(static_cast<float>(mean_edge)) {}
 
-  std::size_t size() const { return faces_.size(); }
+  /// The fields of a patch that has kRings rings, from positions. False when stopped.
+  bool measure(const FacePatch& patch, std::span<const SimdVec3> positions);
+  /// Only what differences() needs. False when stopped.
+  bool measure_differences(const FacePatch& patch, std::span<const SimdVec3> positions);
+
+  /// The patch's own faces; below, `face` counts them.
+  std::size_t size() const { return patch_->own(); }
+  /// The face of the mesh.
+  Index number(std::size_t face) const { return patch_->face(face); }
   SimdVec3 field(std::size_t number, std::size_t face) const { return fields_[face][number]; }
+  /// Whose means over the mesh are Whole.
+  Whole differences(std::size_t face) const;
   /// Thread-safe.
-  void describe(std::size_t face, Inputs& inputs) const;
+  void describe(std::size_t face, const Whole& whole, Inputs& inputs) const;
   /// The unit normal along the weighted sum of the fields.
   SimdVec3 blend(std::size_t face, const Weights& weights) const;
-  Faces& faces() { return faces_; }
-  const Faces& faces() const { return faces_; }
 
  private:
   using Field = Buffer<SimdVec3>;
-  enum class Keep : std::uint8_t;
+  struct Kept {
+    std::uint32_t steps;
+    std::size_t field;
+  };
+  /// Rings of the means over regions, which need some of the fields so far out, and of one choice of a patch.
+  static constexpr std::uint32_t kRegionRings = 6, kPatchRings = 2;
 
+  bool start(const FacePatch& patch, std::span<const SimdVec3> positions);
+  bool copy(std::size_t field, Field& to, std::uint32_t rings);
+  bool keep(std::size_t field, const Field& from, std::uint32_t rings);
   template <class Weight>
-  bool average(const Field& from, Field& to, Weight&& weight);
-  bool narrow(std::span<const SimdVec3> start, float threshold, std::initializer_list<int> steps);
-  bool most_even_patch(const Field& from, Field& to);
-  bool keep(const Field& field);
+  bool average(const Field& from, Field& to, std::uint32_t rings, Weight&& weight);
+  template <class Weight>
+  bool filter(std::initializer_list<Kept> kept, Weight&& weight);
+  bool widen();
+  bool narrow(float threshold, std::initializer_list<Kept> kept);
+  bool most_even_patch(const Field& from, Field& to, std::uint32_t rings);
+  bool choose_patches();
   bool mean_centroids();
-  void measure_whole();
   bool measure_regions();
 
-  std::span<const Index> neighbours(std::size_t face) const {
-    return std::span(items_).subspan(offsets_[face], offsets_[face + 1] - offsets_[face]);
-  }
+  std::span<const Index> neighbours(std::size_t face) const { return patch_->neighbours(face); }
+  const RunControl& run() const { return patch_->mesh().run(); }
 
-  const RunControl& run_;
-  Faces faces_;
-  float mean_edge_;
-  std::vector<Index> offsets_, items_;  // faces that share a vertex with each face
-  Field now_, next_, patch_;
+  const float mean_edge_;
+  const FacePatch* patch_ = nullptr;
+  Buffer<float> twice_areas_;
+  Field centroids_, now_, next_, means_;
   Buffer<float> evenness_;
   Buffer<SimdVec3> near_centroids_, far_centroids_;  // means over one and three rings
   Buffer<std::array<SimdVec3, kFields>> fields_;
-  std::size_t kept_ = 0;
-  std::array<float, kGlobals> whole_{};
-  bool whole_measured_ = false;
   Buffer<SimdVec3::Lanes> regions_, next_regions_;
 };
 

@@ -86,8 +86,8 @@ NormalNetwork::NormalNetwork(std::span<const float> numbers) {
   add(kSecond, kFields, kOutputs);
 }
 
-bool NormalNetwork::predict(const NormalFields& fields, const RunControl& run,
-                            std::span<SimdVec3> normals) const {
+bool NormalNetwork::predict(const NormalFields& fields, const NormalFields::Whole& whole,
+                            const RunControl& run, std::span<SimdVec3> normals) const {
   static const Network kNetwork = widest();
   return parallel_for(fields.size(), run, [&](std::size_t begin, std::size_t end) {
     NormalFields::Inputs inputs;
@@ -95,14 +95,14 @@ bool NormalNetwork::predict(const NormalFields& fields, const RunControl& run,
     for (std::size_t first = begin; first < end; first += kFaces) {
       const std::size_t faces = std::min(kFaces, end - first);
       for (std::size_t lane = 0; lane < faces; ++lane) {
-        fields.describe(first + lane, inputs);
+        fields.describe(first + lane, whole, inputs);
         for (std::size_t i = 0; i < kInputs; ++i) in[i][lane] = inputs[i];
       }
       kNetwork(numbers_.data(), in, out);
       for (std::size_t lane = 0; lane < faces; ++lane) {
         NormalFields::Weights weights;
         for (std::size_t k = 0; k < kFields; ++k) weights[k] = out[k][lane];
-        normals[first + lane] = fields.blend(first + lane, weights);
+        normals[fields.number(first + lane)] = fields.blend(first + lane, weights);
       }
     }
   });

@@ -22,9 +22,10 @@ class NormalNetwork {
   /// `numbers` must be kNumbers of them.
   explicit NormalNetwork(std::span<const float> numbers);
 
-  /// normals[f] = the blend of face f's fields. The same bits on every processor and for any number of
-  /// threads. False when stopped.
-  bool predict(const NormalFields& fields, const RunControl& run, std::span<SimdVec3> normals) const;
+  /// normals[f] = the blend of the fields of each face f of the mesh that the fields are of. The same bits on
+  /// every processor and for any number of threads. False when stopped.
+  bool predict(const NormalFields& fields, const NormalFields::Whole& whole, const RunControl& run,
+               std::span<SimdVec3> normals) const;
 
  private:
   std::vector<float> numbers_;  // regrouped: what is read together lies together

@@ -255,6 +255,7 @@ Method adaptive_method() {
                            "Length that the umbrella vector is measured by; 0 means the mean edge length."),
       }),
       .work_memory = {.per_vertex = 115, .per_triangle = 75},
+      .nanoseconds = 9,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;
         if (values.choice("normals") == "unit") params.normals = P::Normals::Unit;

@@ -69,6 +69,7 @@ Method auto_method() {
                                 "0 leaves the mesh as it is, 1 takes away what looks like noise, 2 more.")},
               kLearnedStages),
           .work_memory = learned_normals_method().work_memory,
+          .nanoseconds = 2000,
           .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
             return smooth_auto(surface, {.strength = values.number("strength")},
                                iteration_options(values, surface), run);

@@ -52,6 +52,7 @@ Method bilaplacian_method() {
               "lambda", kDefaults.lambda, 0, 0.5, "1",
               "Step; up to 0.25 no frequency changes its sign, beyond 0.5 the highest would grow.")}),
           .work_memory = {.per_vertex = 135, .per_triangle = 35},
+          .nanoseconds = 4,
           .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
             return smooth_bilaplacian(surface, {.lambda = values.number("lambda")},
                                       iteration_options(values, surface), run);

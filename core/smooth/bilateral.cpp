@@ -144,6 +144,7 @@ Method bilateral_method() {
                             "Vertices that share an edge, or all within 2 sigma_c.")},
           kBilateralIterations),
       .work_memory = {.per_vertex = 125, .per_triangle = 0},
+      .nanoseconds = 60,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params{.sigma_c = values.number("sigma_c"), .sigma_s = values.number("sigma_s")};
         if (values.choice("neighbourhood") == "ball") params.neighbourhood = P::Neighbourhood::Ball;

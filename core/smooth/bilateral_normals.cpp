@@ -65,6 +65,7 @@ Method bilateral_normals_method() {
                           "How often the vertices move per iteration."),
       }),
       .work_memory = {.per_vertex = 100, .per_triangle = 190},
+      .nanoseconds = 150,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;
         if (values.choice("scheme") == "global") params.scheme = P::Scheme::Global;

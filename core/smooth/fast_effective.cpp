@@ -69,6 +69,7 @@ Method fast_effective_method() {
           neighbourhood_parameter(kDefaults.neighbourhood),
       }),
       .work_memory = {.per_vertex = 130, .per_triangle = 55},
+      .nanoseconds = 130,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;
         if (values.choice("filtering") == "once") params.filtering = P::Filtering::Once;

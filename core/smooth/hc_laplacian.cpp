@@ -83,6 +83,7 @@ Method hc_laplacian_method() {
                             "Share of a vertex's own way in what it is pushed back by; below 0.5 the highest "
                             "frequencies would grow.")}),
       .work_memory = {.per_vertex = 140, .per_triangle = 15},
+      .nanoseconds = 5,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_hc_laplacian(surface, {.alpha = values.number("alpha"), .beta = values.number("beta")},
                                    iteration_options(values, surface), run);

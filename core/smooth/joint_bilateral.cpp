@@ -74,6 +74,7 @@ Method joint_bilateral_method() {
                            "No vertex ends farther than this from where it came."),
       }),
       .work_memory = {.per_vertex = 145, .per_triangle = 70},
+      .nanoseconds = 220,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_joint_bilateral(
             surface,

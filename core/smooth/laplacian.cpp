@@ -27,6 +27,7 @@ Method laplacian_method() {
       .parameters = with_iteration_parameters(
           {number_parameter("lambda", kDefaults.lambda, 0, 1, "1", "Part of the way per iteration.")}),
       .work_memory = {.per_vertex = 125, .per_triangle = 15},
+      .nanoseconds = 2,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_laplacian(surface, {.lambda = values.number("lambda")},
                                 iteration_options(values, surface), run);

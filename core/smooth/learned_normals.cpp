@@ -63,7 +63,8 @@ Method learned_normals_method() {
                                "learned."),
           },
           kLearnedStages),
-      .work_memory = {.per_vertex = 180, .per_triangle = 480},
+      .work_memory = {.per_vertex = 128, .per_triangle = 60, .per_triangle_of_part = 440},
+      .nanoseconds = 1800,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;
         params.vertex_steps = static_cast<std::uint32_t>(values.integer("vertex_steps"));

@@ -72,6 +72,7 @@ Method mean_curvature_flow_method() {
                                 "triangles negative ones, and "
                                 "both make the flow diverge on noise.")}),
           .work_memory = {.per_vertex = 130, .per_triangle = 15},
+          .nanoseconds = 30,
           .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
             return smooth_mean_curvature_flow(surface,
                                               {.time_step = values.number("time_step"),

@@ -29,6 +29,7 @@ Method mean_normals_method() {
           "A(S) n(S))",
       .parameters = with_iteration_parameters({neighbourhood_parameter(MeanNormalsParams{}.neighbourhood)}),
       .work_memory = {.per_vertex = 130, .per_triangle = 55},
+      .nanoseconds = 17,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_mean_normals(surface, {.neighbourhood = neighbourhood_of(values)},
                                    iteration_options(values, surface), run);

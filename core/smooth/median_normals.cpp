@@ -78,6 +78,7 @@ Method median_normals_method() {
               {number_parameter("edge_weight", kDefaults.edge_weight, 0, 100, "1",
                                 "Weight of a neighbour across an edge; one across a vertex weighs 1.")}),
           .work_memory = {.per_vertex = 130, .per_triangle = 55},
+          .nanoseconds = 250,
           .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
             return smooth_median_normals(surface, {.edge_weight = values.number("edge_weight")},
                                          iteration_options(values, surface), run);

@@ -1,5 +1,7 @@
 #include "core/smooth/normal_filter.h"
 
+#include <atomic>
+
 #include "core/smooth/parameters.h"
 
 namespace burnish {
@@ -36,12 +38,21 @@ std::vector<float> orientations(const Surface& surface, const RunControl& run) {
   return orientation;
 }
 
+bool has_crowds(const Topology& topology, const RunControl& run) {
+  std::atomic<bool> any = false;
+  for_each(topology.vertex_faces.rows(), run, [&](std::size_t v) {
+    if (topology.vertex_faces[v].size() > Faces::kMostAround) any.store(true, std::memory_order_relaxed);
+  });
+  return any.load();
+}
+
 }  // namespace
 
 Faces::Faces(const Surface& surface, FaceNeighbourhood neighbourhood, const RunControl& run)
     : surface_(surface),
       neighbourhood_(neighbourhood),
       run_(run),
+      has_crowds_(has_crowds(surface.topology, run)),
       orientation_(orientations(surface, run)),
       normals_(surface.mesh.triangles.size()),
       next_normals_(normals_.size()),
@@ -51,12 +62,10 @@ Faces::Faces(const Surface& surface, FaceNeighbourhood neighbourhood, const RunC
 bool Faces::measure(std::span<const SimdVec3> positions) {
   return for_each_block([&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      const auto& [a, b, c] = surface_.mesh.triangles[f];
-      const SimdVec3 area_normal = cross(positions[b] - positions[a], positions[c] - positions[a]);
-      const float twice_area = length(area_normal);
-      normals_[f] = twice_area > 0 ? area_normal * (side(f) / twice_area) : SimdVec3{};
-      twice_areas_[f] = twice_area;
-      centroids_[f] = centroid_of(positions, f);
+      const Measured face = measured(positions, f);
+      normals_[f] = face.normal;
+      twice_areas_[f] = face.twice_area;
+      centroids_[f] = face.centroid;
     }
   });
 }
@@ -65,11 +74,6 @@ bool Faces::measure_centroids(std::span<const SimdVec3> positions) {
   return for_each_block([&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) centroids_[f] = centroid_of(positions, f);
   });
-}
-
-SimdVec3 Faces::centroid_of(std::span<const SimdVec3> positions, std::size_t f) const {
-  const auto& [a, b, c] = surface_.mesh.triangles[f];
-  return (positions[a] + positions[b] + positions[c]) * (1.0F / 3.0F);
 }
 
 SimdVec3 Faces::mean_of_neighbours(std::size_t f) const {

@@ -33,10 +33,26 @@ inline SimdVec3 unit_or(SimdVec3 sum, float weights, SimdVec3 otherwise) {
 /// Normals, areas and centroids of the faces. Everything is in local units.
 class Faces {
  public:
+  /// Triangles at a vertex above which they are neighbours across edges only: a fan of n triangles would be
+  /// n^2 pairs.
+  static constexpr std::size_t kMostAround = 128;
+
   Faces(const Surface& surface, FaceNeighbourhood neighbourhood, const RunControl& run);
 
   /// All three from positions. False when stopped.
   bool measure(std::span<const SimdVec3> positions);
+  struct Measured {
+    SimdVec3 normal, centroid;
+    float twice_area;
+  };
+  /// The same of one face, without keeping it.
+  Measured measured(std::span<const SimdVec3> positions, std::size_t f) const {
+    const auto& [a, b, c] = surface_.mesh.triangles[f];
+    const SimdVec3 area_normal = cross(positions[b] - positions[a], positions[c] - positions[a]);
+    const float twice_area = length(area_normal);
+    return {twice_area > 0 ? area_normal * (side(f) / twice_area) : SimdVec3{}, centroid_of(positions, f),
+            twice_area};
+  }
   /// Centroids alone, for normals that are kept while vertices move. False when stopped.
   bool measure_centroids(std::span<const SimdVec3> positions);
 
@@ -125,7 +141,10 @@ class Faces {
   }
 
  private:
-  SimdVec3 centroid_of(std::span<const SimdVec3> positions, std::size_t f) const;
+  SimdVec3 centroid_of(std::span<const SimdVec3> positions, std::size_t f) const {
+    const auto& [a, b, c] = surface_.mesh.triangles[f];
+    return (positions[a] + positions[b] + positions[c]) * (1.0F / 3.0F);
+  }
 
   template <class Visit>
   void for_each_by_vertex(std::size_t f, Visit&& visit) const {
@@ -136,6 +155,10 @@ class Faces {
         if (n != f && !seen(n)) visit(n);
       }
     };
+    if (has_crowds_ && (crowded(t[0]) || crowded(t[1]) || crowded(t[2]))) {
+      for_each_beside_crowds(f, visit);
+      return;
+    }
     at_corner(0, [](Index) { return false; });
     if (surface_.topology.non_manifold_edges == 0) {  // what shares two corners is across their edge
       at_corner(1, [&](Index n) { return n == across[0]; });
@@ -145,6 +168,25 @@ class Faces {
       at_corner(2, [&](Index n) { return has_corner(n, t[0]) || has_corner(n, t[1]); });
     }
   }
+  /// At a crowded corner only the triangles across its two edges.
+  template <class Visit>
+  void for_each_beside_crowds(std::size_t f, Visit&& visit) const {
+    const Triangle& t = surface_.mesh.triangles[f];
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      if (crowded(t[corner])) continue;
+      for (const Index n : surface_.topology.vertex_faces[t[corner]]) {
+        bool seen = n == f;
+        for (std::size_t before = 0; before < corner; ++before)
+          seen = seen || (!crowded(t[before]) && has_corner(n, t[before]));
+        if (!seen) visit(n);
+      }
+    }
+    for (std::size_t edge = 0; edge < 3; ++edge) {
+      const Index n = surface_.topology.face_neighbours[f][edge];
+      if (n != kNone && crowded(t[edge]) && crowded(t[(edge + 1) % 3])) visit(n);
+    }
+  }
+  bool crowded(Index v) const { return surface_.topology.vertex_faces[v].size() > kMostAround; }
   bool has_corner(Index f, Index vertex) const {
     const Triangle& t = surface_.mesh.triangles[f];
     return t[0] == vertex || t[1] == vertex || t[2] == vertex;
@@ -153,6 +195,7 @@ class Faces {
   const Surface& surface_;
   const FaceNeighbourhood neighbourhood_;
   const RunControl& run_;
+  const bool has_crowds_;
   std::vector<float> orientation_;                       // 1 or -1 per face; empty: all 1
   Buffer<SimdVec3> normals_, next_normals_, centroids_;  // filled by measure()
   Buffer<float> twice_areas_;

@@ -51,6 +51,7 @@ Method ohtake_method() {
           neighbourhood_parameter(kDefaults.neighbourhood),
       }),
       .work_memory = {.per_vertex = 130, .per_triangle = 55},
+      .nanoseconds = 140,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_ohtake(surface,
                              {.curvature = values.number("curvature"),

@@ -135,8 +135,18 @@ WorkMemory work_memory_of(std::string_view name) {
   for (const Method& method : methods()) {
     most.per_vertex = std::max(most.per_vertex, method.work_memory.per_vertex);
     most.per_triangle = std::max(most.per_triangle, method.work_memory.per_triangle);
+    most.per_triangle_of_part = std::max(most.per_triangle_of_part, method.work_memory.per_triangle_of_part);
   }
   return most;
+}
+
+double seconds_of(std::string_view name, std::uint64_t triangles, std::optional<double> iterations) {
+  const auto method = find_method(name);
+  if (!method) return 0;
+  const auto& parameters = (*method)->parameters;
+  const auto given = std::ranges::find(parameters, "iterations", &ParameterSpec::name);
+  const double standard = static_cast<double>(std::get<std::int64_t>(given->default_value));
+  return 1e-9 * (*method)->nanoseconds * static_cast<double>(triangles) * iterations.value_or(standard);
 }
 
 Result<ParameterValue> parse_parameter(const Method& method, std::string_view name, std::string_view text) {

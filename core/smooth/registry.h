@@ -3,6 +3,7 @@
 // registry.cpp.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -59,9 +60,13 @@ struct SmoothOutcome {
 /// tests/core/memory_test.cpp measures them.
 struct WorkMemory {
   std::uint32_t per_vertex = 0, per_triangle = 0;
+  /// Also per triangle, but for the first kPart triangles only: of methods that work part by part.
+  std::uint32_t per_triangle_of_part = 0;
 
+  static constexpr std::uint64_t kPart = 250'000;
   std::uint64_t bytes(std::uint64_t vertices, std::uint64_t triangles) const {
-    return per_vertex * vertices + per_triangle * triangles;
+    return per_vertex * vertices + per_triangle * triangles +
+           per_triangle_of_part * std::min(triangles, kPart);
   }
 };
 
@@ -72,6 +77,7 @@ struct Method {
   std::string formula;                    ///< plain text, for docs/algorithms.md
   std::vector<ParameterSpec> parameters;  ///< its own, then the common ones
   WorkMemory work_memory = {};
+  double nanoseconds = 0;  ///< per triangle and iteration with the defaults, on one core; roughly
   /// Moves surface.mesh.positions, never anything else. On an error the mesh is as it was.
   /// Errors: Cancelled, DeadlineExceeded, OutOfMemory.
   std::function<Result<SmoothOutcome>(Surface&, const ParameterValues&, const RunControl&)> run;
@@ -85,6 +91,10 @@ Result<const Method*> find_method(std::string_view name);
 
 /// Of the method of that name; of a name that is none, the most of all.
 WorkMemory work_memory_of(std::string_view name);
+
+/// Roughly, on one core, with the method's own number of iterations unless one is given; of a name that is
+/// none, 0.
+double seconds_of(std::string_view name, std::uint64_t triangles, std::optional<double> iterations);
 
 /// Reads one value from text, as a query string or --set gives it. Errors: UnknownOption, BadOption.
 Result<ParameterValue> parse_parameter(const Method& method, std::string_view name, std::string_view text);

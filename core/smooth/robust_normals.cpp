@@ -108,6 +108,7 @@ Method robust_normals_method() {
                           "How often the vertices move per iteration."),
       }),
       .work_memory = {.per_vertex = 145, .per_triangle = 100},
+      .nanoseconds = 550,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_robust_normals(
             surface,

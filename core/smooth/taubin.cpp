@@ -36,6 +36,7 @@ Method taubin_method() {
            number_parameter("mu", kDefaults.mu, -1.1, 0, "1",
                             "Growing step; a little larger in size than lambda.")}),
       .work_memory = {.per_vertex = 140, .per_triangle = 15},
+      .nanoseconds = 3,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_taubin(surface, {.lambda = values.number("lambda"), .mu = values.number("mu")},
                              iteration_options(values, surface), run);

@@ -149,6 +149,7 @@ Method windowed_sinc_method() {
            choice_parameter("window", {"hamming", "blackman", "hanning", "rectangle"},
                             "Weights w_n; they trade the width of the transition for ripples.")}),
       .work_memory = {.per_vertex = 210, .per_triangle = 15},
+      .nanoseconds = 4,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params{.pass_band = values.number("pass_band")};
         if (values.choice("window") == "blackman") params.window = P::Window::Blackman;

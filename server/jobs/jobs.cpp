@@ -19,21 +19,21 @@ constexpr std::chrono::seconds kSelfTestPatience{30};
 constexpr const char* kTetrahedron =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
-// Rough seconds on one core of a small machine; Pace learns how far off they are on this one.
-constexpr double kPerJob = 5e-4, kPerTriangle = 1e-6, kPerTriangleAndIteration = 3e-8;
+// Rough seconds on one core of a small machine, beside the smoothing; Pace learns how far off they are here.
+constexpr double kPerJob = 5e-4, kPerTriangle = 1e-6;
 
-double iterations_of(const v1::SmoothOptions& options) {
+std::optional<double> iterations_of(const v1::SmoothOptions& options) {
   if (options.has_iterations()) return options.iterations();
   const auto given = options.parameters().find("iterations");
-  return given == options.parameters().end() ? 20 : given->second.number_value();
+  return given == options.parameters().end() ? std::nullopt : std::optional(given->second.number_value());
 }
 
-/// `bytes`: of the files; `smoothing_bytes`: what the method takes beside the mesh.
+/// `bytes`: of the files; `smoothing_bytes`, `smoothing_seconds`: what the method takes beside the rest.
 JobCost cost_of(const Estimate& mesh, const Estimate& reference, std::uint64_t bytes,
-                std::uint64_t smoothing_bytes, double iterations) {
-  const auto one = static_cast<double>(mesh.triangles), both = one + static_cast<double>(reference.triangles);
+                std::uint64_t smoothing_bytes, double smoothing_seconds) {
+  const auto both = static_cast<double>(mesh.triangles) + static_cast<double>(reference.triangles);
   return {.bytes = bytes + mesh.memory_with(smoothing_bytes) + reference.memory_bytes,
-          .work = kPerJob + kPerTriangle * both + kPerTriangleAndIteration * one * iterations};
+          .work = kPerJob + kPerTriangle * both + smoothing_seconds};
 }
 
 Estimate estimate_if_any(std::string_view bytes, std::optional<Format> format) {
@@ -42,9 +42,11 @@ Estimate estimate_if_any(std::string_view bytes, std::optional<Format> format) {
 
 JobCost cost_of(const SmoothJob& job) {
   const Estimate mesh = estimate(job.mesh, job.format);
-  return cost_of(
-      mesh, estimate_if_any(job.reference, job.reference_format), job.mesh.size() + job.reference.size(),
-      work_memory_of(job.options.method()).bytes(mesh.vertices, mesh.triangles), iterations_of(job.options));
+  const std::string& method = job.options.method();
+  return cost_of(mesh, estimate_if_any(job.reference, job.reference_format),
+                 job.mesh.size() + job.reference.size(),
+                 work_memory_of(method).bytes(mesh.vertices, mesh.triangles),
+                 seconds_of(method, mesh.triangles, iterations_of(job.options)));
 }
 
 JobCost cost_of(const CompareJob& job) {

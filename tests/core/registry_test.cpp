@@ -11,6 +11,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
+TEST(Registry, SaysRoughlyHowLongARunTakes) {
+  for (const Method& method : methods()) EXPECT_GT(method.nanoseconds, 0) << method.name;
+  EXPECT_DOUBLE_EQ(seconds_of("laplacian", 2000, 30.0), 30 * seconds_of("laplacian", 2000, 1.0));
+  EXPECT_DOUBLE_EQ(seconds_of("laplacian", 2000, {}), seconds_of("laplacian", 2000, 20.0));
+  EXPECT_DOUBLE_EQ(seconds_of("learned_normals", 2000, {}), seconds_of("learned_normals", 2000, 3.0));
+  EXPECT_GT(seconds_of("", 2000, {}), seconds_of("laplacian", 2000, {}));
+  EXPECT_EQ(seconds_of("no such method", 2000, {}), 0);
+}
+
 TEST(Registry, OffersAutoFirst) {
   EXPECT_EQ(methods().front().name, "auto");
   EXPECT_EQ((*find_method(""))->name, "auto");

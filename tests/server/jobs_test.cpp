@@ -78,6 +78,22 @@ TEST(Jobs, CountTheMemoryOfTheMethod) {
   EXPECT_EQ(refused.error().cause, Cause::TooLarge);
 }
 
+TEST(Jobs, CountTheTimeOfTheMethod) {
+  House house;
+  const auto ask = [&](const char* method, std::uint32_t iterations) {
+    SmoothJob job{.mesh = testing::to_obj(testing::with_noise(testing::sphere(4), 0.2))};
+    job.options.set_method(method);
+    job.options.set_iterations(iterations);
+    return house.smooth(job, {.deadline = RunControl::Clock::now() + 10s}).get();
+  };
+  EXPECT_TRUE(ask("laplacian", 5).ok());  // from now on the server knows how fast it is
+  EXPECT_TRUE(ask("laplacian", 10).ok());
+  const auto refused = ask("guided", 100'000);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().cause, Cause::DeadlineExceeded);
+  EXPECT_THAT(refused.error().message, HasSubstr("are expected to take"));
+}
+
 TEST(Jobs, ExpectWhatSubmitWillSay) {
   Gate gate;
   House house({.mesh = {.max_bytes = 1000}}, {.workers = 1, .queue = 0}, gate.smoother());

@@ -93,9 +93,10 @@ void append_by_rows(const MatrixXf& matrix, std::vector<float>& to) {
 Samples::Samples(Index most)
     : inputs(static_cast<Index>(NormalFields::kInputs), most), fields(3 * kFields, most), truth(3, most) {}
 
-void Samples::add(const NormalFields& fields_of, std::size_t face, SimdVec3 normal) {
+void Samples::add(const NormalFields& fields_of, const NormalFields::Whole& whole, std::size_t face,
+                  SimdVec3 normal) {
   NormalFields::Inputs described;
-  fields_of.describe(face, described);
+  fields_of.describe(face, whole, described);
   inputs.col(count) = Eigen::Map<const VectorXf>(described.data(), inputs.rows());
   for (Index k = 0; k < kFields; ++k) {
     const SimdVec3 n = fields_of.field(static_cast<std::size_t>(k), face);

@@ -16,7 +16,8 @@ struct Samples {
   Eigen::MatrixXf truth;   ///< the normal that it should have, three rows
 
   explicit Samples(Eigen::Index most);
-  void add(const NormalFields& fields_of, std::size_t face, SimdVec3 normal);
+  void add(const NormalFields& fields_of, const NormalFields::Whole& whole, std::size_t face,
+           SimdVec3 normal);
   void finish();  ///< drops the columns that were not filled
   Eigen::Index count = 0;
 };

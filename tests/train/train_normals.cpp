@@ -122,21 +122,24 @@ Samples look_at(const std::vector<Scene>& scenes, std::span<const NormalNetwork>
   for (const Scene& scene : scenes) {
     const auto& home = scene.noisy.mesh.positions;
     std::vector<SimdVec3> positions(home.begin(), home.end());
-    NormalFields fields(scene.noisy, run);
-    fields.measure(positions);
+    const Faces faces(scene.noisy, FaceNeighbourhood::Vertices, run);
+    NormalPatches patches(scene.noisy, faces, run, faces.size());
+    patches.measure(positions, [](const NormalFields&) { return true; });  // how noisy it is at first
     if (!networks.empty()) {
       NormalCascade cascade(scene.noisy, scene.movable, options, networks, run);
       for (std::size_t stage = 0; stage < networks.size(); ++stage) {
         cascade.advance(positions);
         positions.assign(cascade.positions().begin(), cascade.positions().end());
       }
-      fields.measure(positions);
     }
-    for (std::size_t i = 0; i < scene.samples; ++i) {
-      const std::size_t face = random() % fields.size();
-      const bool usable = length(scene.truth[face]) > 0.5F && length(fields.field(0, face)) > 0.5F;
-      if (usable) samples.add(fields, face, scene.truth[face]);
-    }
+    patches.measure(positions, [&](const NormalFields& fields) {
+      for (std::size_t i = 0; i < scene.samples; ++i) {
+        const std::size_t face = random() % fields.size();
+        const bool usable = length(scene.truth[face]) > 0.5F && length(fields.field(0, face)) > 0.5F;
+        if (usable) samples.add(fields, patches.whole(), face, scene.truth[face]);
+      }
+      return true;
+    });
   }
   samples.finish();
   return samples;

@@ -1,0 +1,87 @@
+#include "core/denoise/normal_patches.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/mesh/curve.h"
+
+namespace burnish {
+namespace {
+
+/// As they are when one part holds them all, otherwise along a curve through their first corners.
+std::vector<Index> order_of_faces(const Mesh& mesh, std::size_t parts, const RunControl& run) {
+  std::vector<Index> order(mesh.triangles.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  if (parts <= 1) return order;
+  const std::vector<Index> vertices = curve_order(mesh.positions, run);
+  std::vector<Index> rank(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) rank[vertices[i]] = static_cast<Index>(i);
+  if (run.stopped()) return order;
+  const auto of = [&](Index f) { return rank[mesh.triangles[f][0]]; };
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return of(a) != of(b) ? of(a) < of(b) : a < b; });
+  return order;
+}
+
+}  // namespace
+
+NormalPatches::NormalPatches(const Surface& surface, const Faces& faces, const RunControl& run,
+                             std::size_t most_faces)
+    : faces_(faces),
+      run_(run),
+      patch_(faces),
+      fields_(surface.mean_edge),
+      parts_((faces.size() + most_faces - 1) / most_faces) {
+  order_ = order_of_faces(surface.mesh, parts_, run);
+}
+
+bool NormalPatches::take(std::size_t part) {
+  if (taken_ == part) return true;
+  taken_.reset();
+  const std::size_t begin = faces_.size() * part / parts_, end = faces_.size() * (part + 1) / parts_;
+  // In the mesh's order, which the curve need not be.
+  const auto first = order_.begin() + static_cast<std::ptrdiff_t>(begin),
+             last = order_.begin() + static_cast<std::ptrdiff_t>(end);
+  std::sort(first, last);
+  if (!patch_.surround({first, last}, NormalFields::kRings)) return false;
+  taken_ = part;
+  return true;
+}
+
+bool NormalPatches::measure(std::span<const SimdVec3> positions, const Visit& visit) {
+  if (parts_ > 1 && !whole_ && !measure_whole(positions)) return false;
+  for (std::size_t part = 0; part < parts_; ++part) {
+    if (!take(part) || !fields_.measure(patch_, positions)) return false;
+    if (!whole_) whole_ = means([&](std::size_t f) { return fields_.differences(f); });
+    if (!visit(fields_)) return false;
+  }
+  return !run_.stopped();
+}
+
+bool NormalPatches::measure_whole(std::span<const SimdVec3> positions) {
+  Buffer<NormalFields::Whole> differences(faces_.size());
+  for (std::size_t part = 0; part < parts_; ++part) {
+    if (!take(part) || !fields_.measure_differences(patch_, positions)) return false;
+    for_each(fields_.size(), run_,
+             [&](std::size_t i) { differences[fields_.number(i)] = fields_.differences(i); });
+  }
+  whole_ = means([&](std::size_t f) { return differences[f]; });
+  return !run_.stopped();
+}
+
+/// of(f) averaged over all faces, added in the order of the mesh.
+template <class Of>
+NormalFields::Whole NormalPatches::means(Of&& of) const {
+  NormalFields::Whole result{};
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    const double sum = parallel_sum(faces_.size(), run_, [&](std::size_t begin, std::size_t end) {
+      double part = 0;
+      for (std::size_t f = begin; f < end; ++f) part += static_cast<double>(of(f)[k]);
+      return part;
+    });
+    result[k] = static_cast<float>(sum / static_cast<double>(faces_.size()));
+  }
+  return result;
+}
+
+}  // namespace burnish

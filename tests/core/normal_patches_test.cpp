@@ -1,0 +1,92 @@
+// Fields of normals, patch by patch.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/denoise/normal_patches.h"
+#include "core/smooth/learned_normals.h"
+#include "tests/support/irregular.h"
+#include "tests/support/shapes.h"
+
+namespace burnish {
+namespace {
+
+using testing::surface_of;
+
+std::vector<SimdVec3> positions_of(const Surface& surface) {
+  return {surface.mesh.positions.begin(), surface.mesh.positions.end()};
+}
+
+/// What the networks see of each face.
+std::vector<NormalFields::Inputs> inputs(const Surface& surface, std::size_t most_faces) {
+  const RunControl run;
+  const Faces faces(surface, FaceNeighbourhood::Vertices, run);
+  NormalPatches patches(surface, faces, run, most_faces);
+  std::vector<NormalFields::Inputs> result(faces.size());
+  std::size_t seen = 0;
+  const bool done = patches.measure(positions_of(surface), [&](const NormalFields& fields) {
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      fields.describe(f, patches.whole(), result[fields.number(f)]);
+      ++seen;
+    }
+    return true;
+  });
+  EXPECT_TRUE(done);
+  EXPECT_EQ(seen, faces.size());
+  return result;
+}
+
+TEST(NormalPatches, GiveTheSameNumbersHoweverTheMeshIsParted) {
+  for (const auto& shape : {testing::grid(60), testing::sphere(5), testing::cube(20)}) {
+    const Surface surface = surface_of(testing::with_noise(shape, 0.2));
+    const auto whole = inputs(surface, surface.mesh.triangles.size());
+    EXPECT_EQ(inputs(surface, 1000), whole);
+    EXPECT_EQ(inputs(surface, 777), whole);
+  }
+}
+
+/// A cone of so many triangles, and one more at its rim.
+testing::Shape fan(Index triangles) {
+  testing::Shape shape;
+  shape.positions.push_back({0, 0, 0.5});
+  for (Index i = 0; i < triangles; ++i) {
+    const double angle = 6.283185307179586 * i / triangles;
+    shape.positions.push_back({std::cos(angle), std::sin(angle), 0.01 * (i % 7)});
+    shape.triangles.push_back({0, 1 + i, 1 + (i + 1) % triangles});
+  }
+  shape.positions.push_back({2, 0, 0});
+  shape.triangles.push_back({1, static_cast<Index>(triangles + 1), 2});
+  return shape;
+}
+
+TEST(Faces, OfAFanAreNeighboursOfAllOfItUnlessThatIsACrowd) {
+  for (const Index triangles : {Index{100}, Index{5000}}) {
+    const Surface surface = surface_of(fan(triangles));
+    const Faces faces(surface, FaceNeighbourhood::Vertices, {});
+    std::vector<std::multiset<Index>> neighbours(faces.size());
+    for (Index f = 0; f < faces.size(); ++f) {
+      faces.for_each_neighbour(f, [&](Index n) { neighbours[f].insert(n); });
+    }
+    // The triangle at the rim touches the one across its edge and the two beside that.
+    EXPECT_EQ(neighbours[triangles].size(), 3U);
+    EXPECT_EQ(neighbours[triangles / 2].size(), triangles == 100 ? 99U : 2U);
+    EXPECT_EQ(neighbours[0].size(), triangles == 100 ? 100U : 3U);
+    for (Index f = 0; f < faces.size(); ++f) {
+      for (const Index n : neighbours[f]) {
+        EXPECT_EQ(neighbours[f].count(n), 1U);
+        EXPECT_EQ(neighbours[n].count(f), 1U) << n << " and " << f;
+      }
+    }
+  }
+}
+
+TEST(LearnedNormals, OfAFanOfAHundredThousandNeitherRunOutOfMemoryNorStay) {
+  Surface surface = surface_of(fan(100'000));
+  const auto before = surface.mesh.positions;
+  ASSERT_TRUE(smooth_learned_normals(surface, {}, {.iterations = 1}, {}));
+  EXPECT_FALSE(surface.mesh.positions == before);
+}
+
+}  // namespace
+}  // namespace burnish
