@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/measure/flat_edges.h"
+
 namespace burnish {
 namespace {
 
@@ -9,10 +11,9 @@ namespace {
 constexpr std::uint32_t kStepsAfterwards = 4;
 /// The widest filter of NormalFields.
 constexpr std::size_t kWidest = 3;
-/// Length of the difference of two normals, 3.4 degrees, up to which an edge is flat; shares of flat edges up
-/// to which a surface is curved, and from which on it is flat.
-constexpr float kFlatEdge = 0.06F;
-constexpr double kCurved = 0.67, kFlat = 0.76;
+/// Cosine below which a triangle is folded over, and steps that unfold it.
+constexpr float kFolded = 0.4F;
+constexpr int kUnfoldSteps = 3;
 
 }  // namespace
 
@@ -39,10 +40,32 @@ bool NormalCascade::advance(std::span<const SimdVec3> from) {
     return network.predict(fields, patches_.whole(), run_, predicted_);
   };
   return patches_.measure(from, predict) &&
-         for_each(now_.size(), run_, [&](std::size_t v) { now_[v] = next_[v] = from[v]; }) &&
+         for_each(now_.size(), run_, [&](std::size_t v) { now_[v] = next_[v] = from[v]; }) && unfold() &&
          fit(predicted_, options_.vertex_steps) &&
          (std::max(options_.give_back, options_.give_back_flat) == 0 ||
           (give_back() && fit(predicted_, kStepsAfterwards)));
+}
+
+/// Noise along the surface folds triangles over. Where one turns away from its prediction, its corners go
+/// half the way to the middle of their neighbours, within the surface.
+bool NormalCascade::unfold() {
+  Buffer<std::uint8_t> folded(faces_.size());
+  const auto is_folded = [&](Index f) { return folded[f] != 0; };
+  bool going = true;
+  for (int step = 0; going && step < kUnfoldSteps; ++step) {
+    going = for_each(faces_.size(), run_,
+                     [&](std::size_t f) {
+                       folded[f] = dot(faces_.measured(now_, f).normal, predicted_[f]) < kFolded;
+                     }) &&
+            for_each(now_.size(), run_, [&](std::size_t v) {
+              next_[v] = now_[v];
+              if (!movable(v) || std::ranges::none_of(surface_.topology.vertex_faces[v], is_folded)) return;
+              const SimdVec3 normal = normal_at(v), way = umbrella(now_, surface_.topology, v);
+              next_[v] = now_[v] + (way - normal * dot(way, normal)) * 0.5F;
+            });
+    now_.swap(next_);
+  }
+  return going && for_each(now_.size(), run_, [&](std::size_t v) { next_[v] = now_[v]; });
 }
 
 /// v' = v + mean over triangles f at v of [(c(f) - v) . n(f)] n(f).
@@ -65,21 +88,6 @@ SimdVec3 NormalCascade::normal_at(std::size_t v) const {
   return unit_or(sum, 1, {});
 }
 
-double NormalCascade::share_of_flat_edges() const {
-  const auto& across = surface_.topology.face_neighbours;
-  const auto count = [&](float bound) {
-    return parallel_sum(across.size(), run_, [&](std::size_t begin, std::size_t end) {
-      double edges = 0;
-      for (std::size_t f = begin; f < end; ++f) {
-        for (const Index g : across[f]) edges += g != kNone && length(predicted_[f] - predicted_[g]) < bound;
-      }
-      return edges;
-    });
-  };
-  constexpr float kAny = 3;
-  return count(kFlatEdge) / std::max(count(kAny), 1.0);
-}
-
 bool NormalCascade::average_heights(std::uint32_t rings) {
   bool going = true;
   for (std::uint32_t ring = 0; going && ring < rings; ++ring) {
@@ -96,8 +104,9 @@ bool NormalCascade::average_heights(std::uint32_t rings) {
 
 /// What the vertices lost in height, without its fast changes, which are the noise.
 bool NormalCascade::give_back() {
+  const double share = share_of_flat_edges(surface_.topology, predicted_, run_);
   const auto flat =
-      static_cast<float>(std::clamp((share_of_flat_edges() - kCurved) / (kFlat - kCurved), 0.0, 1.0));
+      static_cast<float>(std::clamp((share - kCurvedSurface) / (kFlatSurface - kCurvedSurface), 0.0, 1.0));
   // By rings: heights_ after the fewer, then after the more.
   const auto [fewer, more] = std::minmax(options_.give_back, options_.give_back_flat);
   const float by_more = options_.give_back <= options_.give_back_flat ? flat : 1 - flat;

@@ -43,9 +43,9 @@ class NormalCascade {
   SimdVec3 home(std::size_t v) const { return SimdVec3(surface_.mesh.positions[v]); }
   SimdVec3 normal_at(std::size_t v) const;
   bool fit(Buffer<SimdVec3>& normals, std::uint32_t steps);
+  bool unfold();
   bool give_back();
   bool average_heights(std::uint32_t rings);
-  double share_of_flat_edges() const;
   bool against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const;
 
   const Surface& surface_;

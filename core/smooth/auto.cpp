@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/measure/flat_edges.h"
 #include "core/measure/noise_estimate.h"
 #include "core/smooth/learned_normals.h"
 #include "core/smooth/parameters.h"
@@ -22,16 +23,25 @@ double share_of_noise(double sigma) {
   return std::round(100 * x * x * (3 - 2 * x)) / 100;
 }
 
-std::string reason(const NoiseEstimate& noise, double share) {
-  std::array<char, 200> text{};
+const char* kind_of_surface(double sharp_bending) {
+  return sharp_bending < 0.2   ? "free-form"
+         : sharp_bending < 0.8 ? "free-form with sharp edges"
+                               : "a machined part's";
+}
+
+std::string reason(const NoiseEstimate& noise, double share, double sharp_bending) {
+  std::array<char, 300> text{};
   if (share == 0) {
     std::snprintf(text.data(), text.size(),
                   "the noise, %.3f mean edges, is no more than a clean mesh shows: nothing to take away",
                   noise.sigma_over_edge);
   } else {
-    std::snprintf(text.data(), text.size(), "%s noise of %.3f mean edges%s",
-                  std::string(name_of(noise.kind)).c_str(), noise.sigma_over_edge,
-                  share < 1 ? ", near that of a clean mesh: only part of the way" : "");
+    std::snprintf(
+        text.data(), text.size(),
+        "%s noise of %.3f mean edges%s; the surface below is %s: %.0f%% of its bending is at sharp edges",
+        std::string(name_of(noise.kind)).c_str(), noise.sigma_over_edge,
+        share < 1 ? ", near that of a clean mesh, so only part of the way" : "",
+        kind_of_surface(sharp_bending), 100 * sharp_bending);
   }
   return text.data();
 }
@@ -48,10 +58,13 @@ Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, co
   if (chosen.strength == 0) stages.iterations = 0;
   auto outcome = smooth_learned_normals(surface, chosen, stages, run);
   if (!outcome) return outcome.error();
+  const double sharp_bending =
+      share_of_sharp_bending(surface, {.threads = run.threads});  // the mesh is done: no stop
   outcome->choice = MethodChoice{
       .method = "learned_normals",
       .parameters = {{"iterations", std::int64_t{stages.iterations}}, {"strength", chosen.strength}},
-      .reason = reason(noise, share)};
+      .sharp_bending = sharp_bending,
+      .reason = reason(noise, share, sharp_bending)};
   return outcome;
 }
 

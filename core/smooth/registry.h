@@ -46,6 +46,7 @@ class ParameterValues {
 struct MethodChoice {
   std::string method;
   std::map<std::string, ParameterValue> parameters;  ///< those that are not the method's defaults
+  double sharp_bending = 0;                          ///< share_of_sharp_bending() of the result
   std::string reason;                                ///< a sentence
 };
 

@@ -43,6 +43,7 @@ class Pipeline {
   void describe(const MethodChoice& choice) {
     report().mutable_choice()->set_method(choice.method);
     report().mutable_choice()->set_reason(choice.reason);
+    report().mutable_choice()->set_sharp_bending(choice.sharp_bending);
     for (const auto& [name, value] : choice.parameters) {
       (*report().mutable_choice()->mutable_parameters())[name] = to_proto(value);
     }

@@ -27,14 +27,19 @@ SmoothOutcome run(Surface& surface, const char* name, const Given& given = {}) {
 /// Seeds 11 and up were not trained on.
 Surface shape_named(const std::string& name) { return surface_of(procedural_shape(name, 11, 12'000).shape); }
 
-Surface noisy(const Surface& clean, double sigma) {
+Surface noisy(const Surface& clean, double sigma, NoiseDirection direction = NoiseDirection::Normal) {
   Surface surface = clean;
-  EXPECT_TRUE(add_noise(surface, {.amplitude = sigma, .seed = 5}));
+  EXPECT_TRUE(add_noise(surface, {.direction = direction, .amplitude = sigma, .seed = 5}));
   return surface;
 }
 
 double ev(const Surface& surface, const Surface& clean) {
   return measure_errors(surface, surface.mesh.positions, clean, clean.mesh.positions, true, {})->ev_over_edge;
+}
+
+std::uint64_t flipped(const Surface& surface, const Surface& clean) {
+  return *measure_errors(surface, surface.mesh.positions, clean, clean.mesh.positions, true, {})
+              ->flipped_triangles;
 }
 
 double rms_displacement(const Surface& before, const Surface& after) {
@@ -72,6 +77,14 @@ TEST_P(AutoOnShape, FindsNothingToDoASecondTime) {
   EXPECT_LT(rms_displacement(once, twice), 0.02);
 }
 
+TEST_P(AutoOnShape, UnfoldsTrianglesThatNoiseAlongTheSurfaceTurnedOver) {
+  const Surface clean = shape_named(GetParam());
+  Surface surface = noisy(clean, 0.3, NoiseDirection::Random);
+  const auto before = flipped(surface, clean);
+  run(surface, "auto");
+  EXPECT_LT(flipped(surface, clean), before / 20);
+}
+
 INSTANTIATE_TEST_SUITE_P(Procedural, AutoOnShape, ::testing::ValuesIn(procedural_names()),
                          [](const auto& row) { return row.param; });
 
@@ -86,6 +99,23 @@ TEST(Auto, SaysWhatToAskForToGetTheSame) {
     run(asked, outcome.choice->method.c_str(), outcome.choice->parameters);
     EXPECT_TRUE(chosen.mesh.positions == asked.mesh.positions);
     EXPECT_FALSE(chosen.mesh.positions == start.mesh.positions);
+  }
+}
+
+TEST(Auto, SaysWhatKindOfSurfaceItFoundBelowTheNoise) {
+  const auto said = [](const char* name) {
+    Surface surface = noisy(shape_named(name), 0.2);
+    return *run(surface, "auto").choice;
+  };
+  for (const char* machined : {"stairs", "bracket", "gear"}) {
+    const MethodChoice choice = said(machined);
+    EXPECT_GT(choice.sharp_bending, 0.8) << machined;
+    EXPECT_NE(choice.reason.find("machined part"), std::string::npos) << choice.reason;
+  }
+  for (const char* figure : {"coarse_bumps", "blobs", "knot"}) {
+    const MethodChoice choice = said(figure);
+    EXPECT_LT(choice.sharp_bending, 0.2) << figure;
+    EXPECT_NE(choice.reason.find("free-form:"), std::string::npos) << choice.reason;
   }
 }
 
@@ -108,13 +138,9 @@ TEST(LearnedNormals, TurnNoTriangleAgainstWhatTheySee) {
   for (const char* name : {"gem", "fine_bumps", "gear"}) {
     const Surface clean = shape_named(name);
     Surface surface = noisy(clean, 0.3);
-    const auto flipped = [&] {
-      return *measure_errors(surface, surface.mesh.positions, clean, clean.mesh.positions, true, {})
-                  ->flipped_triangles;
-    };
-    const auto before = flipped();
+    const auto before = flipped(surface, clean);
     run(surface, "learned_normals");
-    EXPECT_LE(flipped(), before) << name;
+    EXPECT_LE(flipped(surface, clean), before) << name;
   }
 }
 

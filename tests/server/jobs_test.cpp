@@ -80,8 +80,9 @@ TEST(Jobs, CountTheMemoryOfTheMethod) {
 
 TEST(Jobs, CountTheTimeOfTheMethod) {
   House house;
+  const std::string text = testing::to_obj(testing::with_noise(testing::sphere(4), 0.2));
   const auto ask = [&](const char* method, std::uint32_t iterations) {
-    SmoothJob job{.mesh = testing::to_obj(testing::with_noise(testing::sphere(4), 0.2))};
+    SmoothJob job{.mesh = text};
     job.options.set_method(method);
     job.options.set_iterations(iterations);
     return house.smooth(job, {.deadline = RunControl::Clock::now() + 10s}).get();

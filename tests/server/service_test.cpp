@@ -47,6 +47,7 @@ TEST(SmoothService, ReportsWhatItDid) {
   EXPECT_EQ(report.choice().method(), "learned_normals");
   EXPECT_EQ(report.choice().parameters().at("strength").number_value(), 1);
   EXPECT_THAT(report.choice().reason(), ::testing::HasSubstr("gaussian noise"));
+  EXPECT_GT(report.choice().sharp_bending(), 0);
   EXPECT_EQ(report.parameters().at("boundary").string_value(), "fixed");
   EXPECT_EQ(report.parameters().size(), methods().front().parameters.size());
   EXPECT_EQ(report.errors().against(), "input");
