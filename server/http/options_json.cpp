@@ -151,13 +151,23 @@ const FieldDescriptor* find_field(const Message& message, const std::string& nam
   return field;
 }
 
+std::string names_of_fields(const Message& message) {
+  const auto& type = *message.GetDescriptor();
+  std::string names;
+  for (int i = 0; i < type.field_count(); ++i) names += (i > 0 ? ", " : "") + type.field(i)->json_name();
+  return names;
+}
+
 Result<> read_message(const Json& from, Message& into, const std::string& place) {
   if (!from.is_object()) return expected(place, "an object");
   std::set<const FieldDescriptor*> seen;
   for (const auto& [name, value] : from.items()) {
     const std::string member = member_of(place, name);
     const FieldDescriptor* const field = find_field(into, name);
-    if (!field) return Error{Cause::UnknownOption, "there is no option " + member, member};
+    if (!field) {
+      return Error{Cause::UnknownOption,
+                   "there is no option " + member + "; " + place + " has " + names_of_fields(into), member};
+    }
     if (!seen.insert(field).second) {
       return Error{Cause::BadOption, member + " is given twice, under both of its names", member};
     }

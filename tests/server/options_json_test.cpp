@@ -60,9 +60,9 @@ TEST(OptionsJson, NamesThePathOfWhatIsWrong) {
   const Row rows[] = {
       {"[]", bad, "options", "object"},
       {"3", bad, "options", "object"},
-      {R"({"colour":"red"})", unknown, "options.colour", "no option"},
+      {R"({"colour":"red"})", unknown, "options.colour", "options has method, iterations, parameters"},
       {R"({"Method":"taubin"})", unknown, "options.Method", "no option"},
-      {R"({"output":{"draco":{"bits":3}}})", unknown, "options.output.draco.bits", "no option"},
+      {R"({"output":{"draco":{"bits":3}}})", unknown, "options.output.draco.bits", "options.output.draco has method, positionBits"},
       {R"({"method":3})", bad, "options.method", "string"},
       {R"({"method":null})", bad, "options.method", "null"},
       {R"({"method":"sanding"})", Cause::UnknownMethod, "options.method", "sanding"},
