@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "core/smooth/laplacian.h"
+#include "tests/support/compared.h"
 #include "tests/support/oracle_guided.h"
 
 namespace burnish {
 namespace {
 
 using namespace burnish::testing;
-using Smooth = std::function<Result<SmoothOutcome>(Surface&, const IterationOptions&)>;
 
 Smooth guided(const GuidedParams& p = {}) {
   return [=](Surface& s, const IterationOptions& o) { return smooth_guided(s, p, o, {}); };
@@ -23,37 +23,6 @@ Smooth laplacian() {
   return [](Surface& s, const IterationOptions& o) { return smooth_laplacian(s, {}, o, {}); };
 }
 
-Shape smoothed(const Shape& shape, const Smooth& smooth, const IterationOptions& options = {}) {
-  Surface surface = surface_of(shape);
-  EXPECT_TRUE(smooth(surface, options));
-  Shape result = shape;
-  for (std::size_t v = 0; v < shape.positions.size(); ++v) {
-    result.positions[v] = surface.mesh.frame.to_file(to_double(surface.mesh.positions[surface.weld[v]]));
-  }
-  return result;
-}
-
-double largest_distance(const Shape& a, const Shape& b) {
-  double worst = 0;
-  for (std::size_t v = 0; v < a.positions.size(); ++v)
-    worst = std::max(worst, length(a.positions[v] - b.positions[v]));
-  return worst;
-}
-
-double volume(const Shape& s) {
-  double sum = 0;
-  for (const auto& [a, b, c] : s.triangles)
-    sum += dot(s.positions[a], cross(s.positions[b], s.positions[c])) / 6;
-  return sum;
-}
-
-/// Closed, open, and with sharp edges. None is symmetric: there rounding chooses between equal patches.
-const std::vector<Shape>& rough_shapes() {
-  static const std::vector<Shape> kShapes = {with_noise(sphere(2), 0.05), with_noise(grid(8), 0.15),
-                                             with_noise(cube(5), 0.08)};
-  return kShapes;
-}
-
 // ---- The twins ----
 
 class GuidedOracle : public ::testing::TestWithParam<int> {
@@ -62,9 +31,7 @@ class GuidedOracle : public ::testing::TestWithParam<int> {
   void expect_agreement(const Smooth& smooth, Oracle&& oracle) {
     for (const Shape& shape : rough_shapes()) {
       const Shape is = smoothed(shape, smooth, {.iterations = static_cast<std::uint32_t>(GetParam())});
-      const Surface surface = surface_of(shape);
-      const double h = surface.mean_edge * surface.mesh.frame.scale();
-      EXPECT_LT(largest_distance(is, oracle(shape, GetParam())) / h, 2e-5 * (1 + GetParam()))
+      EXPECT_LT(deviation(shape, is, oracle(shape, GetParam())), 2e-5 * (1 + GetParam()))
           << shape.triangles.size();
     }
   }
@@ -110,24 +77,6 @@ TEST(GuidedAndRobust, KeepATiltedUnevenPlane) {
   for (const Smooth& smooth : {guided(), robust_normals()}) {
     for (const Vec3d& p : smoothed(shape, smooth).positions) EXPECT_NEAR(p.z, 0.3 * p.x - 0.2 * p.y, 2e-5);
   }
-}
-
-/// Root mean square of how far the vertices that were on the cube's edges are from both planes there.
-double edge_error(const Shape& cube, const Shape& result) {
-  double sum = 0, count = 0;
-  for (std::size_t v = 0; v < cube.positions.size(); ++v) {
-    double error = 0;
-    int planes = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (std::abs(cube.positions[v][axis]) < 1) continue;
-      ++planes;
-      error += std::pow(result.positions[v][axis] - cube.positions[v][axis], 2);
-    }
-    if (planes < 2) continue;
-    sum += error;
-    ++count;
-  }
-  return std::sqrt(sum / count);
 }
 
 TEST(GuidedAndRobust, KeepTheEdgesOfANoisyCubeThatLaplacianRounds) {

@@ -6,6 +6,7 @@
 
 #include "core/smooth/implicit_mean_curvature_flow.h"
 #include "core/smooth/weighted_least_squares.h"
+#include "tests/support/compared.h"
 #include "tests/support/oracle_implicit.h"
 
 namespace burnish {
@@ -13,7 +14,6 @@ namespace {
 
 using namespace burnish::testing;
 using Kind = SolverOptions::Kind;
-using Smooth = std::function<Result<SmoothOutcome>(Surface&, const IterationOptions&)>;
 
 Smooth flow(const ImplicitMeanCurvatureFlowParams& params, const RunControl& run = {}) {
   return [=](Surface& s, const IterationOptions& options) {
@@ -45,51 +45,41 @@ double largest_distance(std::span<const Vec3f> a, std::span<const Vec3f> b) {
   return worst;
 }
 
-/// Closed and open, rough and sharp.
-std::vector<Shape> shapes() {
-  return {with_noise(sphere(2), 0.05), with_noise(grid(8), 0.15), with_noise(cube(5), 0.08), sphere(1)};
-}
-
 // ---- against the oracles
 
 class ImplicitOracle : public ::testing::TestWithParam<int> {
  protected:
-  /// In mean edge lengths.
-  static double deviation(const Shape& shape, const Smooth& smooth, const Shape& expected) {
+  /// Which warns of nothing.
+  static Shape after(const Shape& shape, const Smooth& smooth) {
     Surface surface = surface_of(shape);
     const auto outcome = smooth(surface, {.iterations = static_cast<std::uint32_t>(GetParam())});
     EXPECT_TRUE(outcome && outcome->warnings.empty());
-    double worst = 0;
-    for (std::size_t v = 0; v < shape.positions.size(); ++v) {
-      const Vec3d is = surface.mesh.frame.to_file(to_double(surface.mesh.positions[surface.weld[v]]));
-      worst = std::max(worst, length(is - expected.positions[v]));
-    }
-    return worst / (surface.mean_edge * surface.mesh.frame.scale());
+    return shape_on(surface, shape);
   }
   static double tolerance() { return 2e-5 * (1 + GetParam()); }
 };
 
 TEST_P(ImplicitOracle, AgreesWithTheFlowByEitherSolver) {
-  for (const Shape& shape : shapes()) {
+  for (const Shape& shape : various_shapes()) {
     for (const double time_step : {0.1, 3.0}) {
       for (const Kind kind : {Kind::ConjugateGradients, Kind::Cholesky}) {
         const ImplicitMeanCurvatureFlowParams params{.time_step = time_step,
                                                      .solver = {.kind = kind, .tolerance = 1e-6}};
         const Shape expected = oracle_implicit_mean_curvature_flow(shape, params, GetParam());
-        EXPECT_LT(deviation(shape, flow(params), expected), tolerance()) << time_step;
+        EXPECT_LT(deviation(shape, after(shape, flow(params)), expected), tolerance()) << time_step;
       }
     }
   }
 }
 
 TEST_P(ImplicitOracle, AgreesWithWeightedLeastSquaresByEitherSolver) {
-  for (const Shape& shape : shapes()) {
+  for (const Shape& shape : various_shapes()) {
     for (const double sigma : {0.3, 2.0}) {
       for (const Kind kind : {Kind::ConjugateGradients, Kind::Cholesky}) {
         const WeightedLeastSquaresParams params{
             .lambda = 0.4, .sigma = sigma, .solver = {.kind = kind, .tolerance = 1e-6}};
         const Shape expected = oracle_weighted_least_squares(shape, params, GetParam());
-        EXPECT_LT(deviation(shape, least_squares(params), expected), tolerance()) << sigma;
+        EXPECT_LT(deviation(shape, after(shape, least_squares(params)), expected), tolerance()) << sigma;
       }
     }
   }

@@ -5,6 +5,7 @@
 #include "core/smooth/laplacian.h"
 #include "core/smooth/mean_curvature_flow.h"
 #include "core/smooth/taubin.h"
+#include "tests/support/compared.h"
 #include "tests/support/oracle.h"
 
 namespace burnish {
@@ -12,66 +13,48 @@ namespace {
 
 using namespace burnish::testing;
 
-/// Closed and open, rough and sharp.
-std::vector<Shape> shapes() {
-  return {with_noise(sphere(2), 0.05), with_noise(grid(8), 0.15), with_noise(cube(5), 0.08), sphere(1)};
-}
-
-/// Largest distance between the smoothed surface and the oracle's, in mean edge lengths.
-template <class Smooth>
-double deviation(const Shape& shape, const Shape& expected, Smooth&& smooth) {
-  Surface surface = surface_of(shape);
-  EXPECT_TRUE(smooth(surface));
-  double worst = 0;
-  for (std::size_t v = 0; v < shape.positions.size(); ++v) {
-    const Vec3d is = surface.mesh.frame.to_file(to_double(surface.mesh.positions[surface.weld[v]]));
-    worst = std::max(worst, length(is - expected.positions[v]));
-  }
-  return worst / (surface.mean_edge * surface.mesh.frame.scale());
-}
-
 /// Float positions keep 2^-24 of the diagonal; a few dozen operations an iteration may each add that.
 double tolerance(int iterations) { return 2e-6 * (1 + iterations); }
 
-class Oracle : public ::testing::TestWithParam<int> {};
+class Oracle : public ::testing::TestWithParam<int> {
+ protected:
+  static Shape after(const Shape& shape, const Smooth& smooth) {
+    return smoothed(shape, smooth, {.iterations = static_cast<std::uint32_t>(GetParam())});
+  }
+};
 
 TEST_P(Oracle, AgreesWithLaplacian) {
-  for (const Shape& shape : shapes()) {
-    EXPECT_LT(deviation(shape, oracle_laplacian(shape, 0.7, GetParam()),
-                        [](Surface& s) {
-                          return smooth_laplacian(s, {.lambda = 0.7},
-                                                  {.iterations = static_cast<std::uint32_t>(GetParam())}, {});
-                        }),
+  for (const Shape& shape : various_shapes()) {
+    const auto smooth = [](Surface& s, const IterationOptions& o) {
+      return smooth_laplacian(s, {.lambda = 0.7}, o, {});
+    };
+    EXPECT_LT(deviation(shape, after(shape, smooth), oracle_laplacian(shape, 0.7, GetParam())),
               tolerance(GetParam()));
   }
 }
 
 TEST_P(Oracle, AgreesWithTaubin) {
-  for (const Shape& shape : shapes()) {
-    EXPECT_LT(deviation(shape, oracle_taubin(shape, 0.5, -0.53, GetParam()),
-                        [](Surface& s) {
-                          return smooth_taubin(s, {}, {.iterations = static_cast<std::uint32_t>(GetParam())},
-                                               {});
-                        }),
+  for (const Shape& shape : various_shapes()) {
+    const auto smooth = [](Surface& s, const IterationOptions& o) { return smooth_taubin(s, {}, o, {}); };
+    EXPECT_LT(deviation(shape, after(shape, smooth), oracle_taubin(shape, 0.5, -0.53, GetParam())),
               tolerance(GetParam()));
   }
 }
 
 TEST_P(Oracle, AgreesWithMeanCurvatureFlow) {
-  for (const Shape& shape : shapes()) {
+  for (const Shape& shape : various_shapes()) {
     const MeanCurvatureFlowParams params;
-    EXPECT_LT(deviation(shape, oracle_mean_curvature_flow(shape, params, GetParam()),
-                        [&](Surface& s) {
-                          return smooth_mean_curvature_flow(
-                              s, params, {.iterations = static_cast<std::uint32_t>(GetParam())}, {});
-                        }),
+    const auto smooth = [&](Surface& s, const IterationOptions& o) {
+      return smooth_mean_curvature_flow(s, params, o, {});
+    };
+    EXPECT_LT(deviation(shape, after(shape, smooth), oracle_mean_curvature_flow(shape, params, GetParam())),
               10 * tolerance(GetParam()));  // cotangents of slivers amplify rounding
   }
 }
 
 TEST_P(Oracle, AgreesWithAdaptiveInEveryVariant) {
   using P = AdaptiveParams;
-  for (const Shape& shape : shapes()) {
+  for (const Shape& shape : various_shapes()) {
     for (const P& params : {
              P{},
              P{.normals = P::Normals::Unit},
@@ -82,11 +65,10 @@ TEST_P(Oracle, AgreesWithAdaptiveInEveryVariant) {
              P{.coefficient = P::Coefficient::Gaussian, .sigma = 0.3},
              P{.scale = 0.5},
          }) {
-      EXPECT_LT(deviation(shape, oracle_adaptive(shape, params, GetParam()),
-                          [&](Surface& s) {
-                            return smooth_adaptive(
-                                s, params, {.iterations = static_cast<std::uint32_t>(GetParam())}, {});
-                          }),
+      const auto smooth = [&](Surface& s, const IterationOptions& o) {
+        return smooth_adaptive(s, params, o, {});
+      };
+      EXPECT_LT(deviation(shape, after(shape, smooth), oracle_adaptive(shape, params, GetParam())),
                 10 * tolerance(GetParam()));
     }
   }

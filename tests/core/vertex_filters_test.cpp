@@ -10,13 +10,13 @@
 #include "core/smooth/laplacian.h"
 #include "core/smooth/taubin.h"
 #include "core/smooth/windowed_sinc.h"
+#include "tests/support/compared.h"
 #include "tests/support/oracle_vertex.h"
 
 namespace burnish {
 namespace {
 
 using namespace burnish::testing;
-using Smooth = std::function<Result<SmoothOutcome>(Surface&, const IterationOptions&)>;
 
 Smooth laplacian(const LaplacianParams& params) {
   return
@@ -44,24 +44,6 @@ Smooth bilateral(const BilateralParams& params) {
       [=](Surface& s, const IterationOptions& options) { return smooth_bilateral(s, params, options, {}); };
 }
 
-Shape smoothed(const Shape& shape, const Smooth& smooth, IterationOptions options) {
-  Surface surface = surface_of(shape);
-  EXPECT_TRUE(smooth(surface, options));
-  Shape result = shape;
-  for (std::size_t v = 0; v < shape.positions.size(); ++v) {
-    result.positions[v] = surface.mesh.frame.to_file(to_double(surface.mesh.positions[surface.weld[v]]));
-  }
-  return result;
-}
-
-double largest_distance(const Shape& a, const Shape& b) {
-  double worst = 0;
-  for (std::size_t v = 0; v < a.positions.size(); ++v) {
-    worst = std::max(worst, length(a.positions[v] - b.positions[v]));
-  }
-  return worst;
-}
-
 // ---- against the oracles
 
 class VertexOracle : public ::testing::TestWithParam<int> {
@@ -70,10 +52,8 @@ class VertexOracle : public ::testing::TestWithParam<int> {
   /// laplacian's.
   void expect_agreement(int iterations, const Smooth& smooth,
                         const std::function<Shape(const Shape&)>& oracle, double loss = 1) {
-    for (const Shape& shape :
-         {with_noise(sphere(2), 0.05), with_noise(grid(8), 0.15), with_noise(cube(5), 0.08), sphere(1)}) {
-      const Surface surface = surface_of(shape);
-      const double h = surface.mean_edge * surface.mesh.frame.scale();
+    for (const Shape& shape : various_shapes()) {
+      const double h = mean_edge_of(shape);
       const Shape result = smoothed(shape, smooth, {.iterations = static_cast<std::uint32_t>(iterations)});
       EXPECT_GT(largest_distance(result, shape), 1e-3 * h);
       EXPECT_LT(largest_distance(result, oracle(shape)), loss * 2e-6 * (1 + iterations) * h);
