@@ -1,4 +1,5 @@
 // burnishd: flags, signals, wiring.
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <chrono>
@@ -35,6 +36,10 @@ void allow_many_files() {
   setrlimit(RLIMIT_NOFILE, &files);
 }
 
+/// glibc otherwise moves this bound up to 32 MiB, so that what a large mesh leaves lies between the blocks of
+/// the next: up to ten times its file's size after a few jobs, where seven and a half are enough.
+void give_back_large_blocks() { mallopt(M_MMAP_THRESHOLD, 4 << 20); }
+
 /// Drains; one more signal cuts the grace period short.
 void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
   auto draining = std::async(std::launch::async, [&] { return server.stop(grace); });
@@ -49,6 +54,7 @@ void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& s
 
 int main(int argc, char** argv) {
   const sigset_t signals = block_stop_signals();
+  give_back_large_blocks();
   const auto parsed = burnish::parse_config(argc, argv);
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
   const auto& config = std::get<burnish::Config>(parsed);

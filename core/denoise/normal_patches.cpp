@@ -1,25 +1,28 @@
 #include "core/denoise/normal_patches.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/mesh/curve.h"
 
 namespace burnish {
 namespace {
 
-/// As they are when one part holds them all, otherwise along a curve through their first corners.
+/// As they are when one part holds them all, otherwise along a curve through their first corners; when
+/// stopped, any order.
 std::vector<Index> order_of_faces(const Mesh& mesh, std::size_t parts, const RunControl& run) {
+  const RunControl alone = run.on_one_thread();
   std::vector<Index> order(mesh.triangles.size());
-  std::iota(order.begin(), order.end(), Index{0});
+  for_each(order.size(), run, [&](std::size_t f) { order[f] = static_cast<Index>(f); });
   if (parts <= 1) return order;
   const std::vector<Index> vertices = curve_order(mesh.positions, run);
-  std::vector<Index> rank(vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) rank[vertices[i]] = static_cast<Index>(i);
+  std::vector<Index> rank(vertices.size()), next(vertices.size() + 1);
+  for_each(rank.size(), run, [&](std::size_t i) { rank[vertices[i]] = static_cast<Index>(i); });
+  // Sorted by counting: bucket r + 1 begins where those of all ranks up to r end.
+  for_each(order.size(), alone, [&](std::size_t f) { ++next[rank[mesh.triangles[f][0]] + 1]; });
+  for_each(vertices.size(), alone, [&](std::size_t r) { next[r + 1] += next[r]; });
   if (run.stopped()) return order;
-  const auto of = [&](Index f) { return rank[mesh.triangles[f][0]]; };
-  std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return of(a) != of(b) ? of(a) < of(b) : a < b; });
+  for_each(order.size(), alone,
+           [&](std::size_t f) { order[next[rank[mesh.triangles[f][0]]]++] = static_cast<Index>(f); });
   return order;
 }
 

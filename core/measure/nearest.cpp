@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstring>
 #include <limits>
-#include <numeric>
 
 #include "core/measure/squared_distance.h"
 #include "core/mesh/curve.h"
@@ -26,20 +25,23 @@ namespace {
 
 /// Triangles by the place of their middle corner in an order of the vertices, by counting. Not by their
 /// first: a fan's triangles may all have the same.
-std::vector<Index> triangles_along(std::span<const Index> vertex_order, std::span<const Triangle> triangles,
-                                   const RunControl& run) {
-  std::vector<Index> place(vertex_order.size()), middle(triangles.size());
-  for (std::size_t i = 0; i < place.size(); ++i) place[vertex_order[i]] = static_cast<Index>(i);
+Buffer<Index> triangles_along(std::span<const Index> vertex_order, std::span<const Triangle> triangles,
+                              const RunControl& run) {
+  const RunControl alone = run.on_one_thread();
+  Buffer<Index> place(vertex_order.size()), middle(triangles.size()), order(triangles.size());
+  for_each(place.size(), run, [&](std::size_t i) { place[vertex_order[i]] = static_cast<Index>(i); });
   parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const Index a = place[triangles[t][0]], b = place[triangles[t][1]], c = place[triangles[t][2]];
       middle[t] = std::max(std::min(a, b), std::min(std::max(a, b), c));
     }
   });
-  std::vector<Index> next(place.size() + 1), order(triangles.size());
-  for (const Index m : middle) ++next[m + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  for (std::size_t t = 0; t < middle.size(); ++t) order[next[middle[t]]++] = static_cast<Index>(t);
+  if (run.stopped()) return order;
+  std::vector<Index> next(place.size() + 1);
+  for_each(middle.size(), alone, [&](std::size_t t) { ++next[middle[t] + 1]; });
+  for_each(place.size(), alone, [&](std::size_t i) { next[i + 1] += next[i]; });
+  if (run.stopped()) return order;
+  for_each(middle.size(), alone, [&](std::size_t t) { order[next[middle[t]]++] = static_cast<Index>(t); });
   return order;
 }
 
@@ -48,13 +50,14 @@ std::vector<Index> triangles_along(std::span<const Index> vertex_order, std::spa
 Result<NearestTriangle> NearestTriangle::build(std::span<const Vec3f> positions,
                                                std::span<const Triangle> triangles, const RunControl& run) {
   NearestTriangle tree;
-  tree.positions_.reserve(positions.size());
-  for (const Vec3f& p : positions) tree.positions_.emplace_back(p);
+  tree.positions_.resize(positions.size());
+  for_each(positions.size(), run, [&](std::size_t v) { tree.positions_[v] = SimdVec3(positions[v]); });
   tree.triangles_ = triangles;
   // Most meshes lie along strips or patches, which makes tighter boxes than any curve through space.
+  tree.order_.reserve(triangles.size() + kWidth);
   tree.order_.resize(triangles.size());
-  std::iota(tree.order_.begin(), tree.order_.end(), Index{0});
-  if (!tree.fill(run)) return run.stop_error();
+  for_each(triangles.size(), run, [&](std::size_t t) { tree.order_[t] = static_cast<Index>(t); });
+  if (run.stopped() || !tree.fill(run)) return run.stop_error();
   if (tree.in_good_order()) return tree;
   tree.order_ = triangles_along(curve_order(positions, run), triangles, run);
   if (run.stopped() || !tree.fill(run)) return run.stop_error();

@@ -8,6 +8,7 @@
 
 #include "core/measure/nearest_group.h"
 #include "core/mesh/mesh.h"
+#include "core/run/buffer.h"
 #include "core/run/run_control.h"
 
 namespace burnish {
@@ -65,11 +66,11 @@ class NearestTriangle {
   double to_box(const Vec3d& point, std::size_t child) const;
   double to_triangle(const Vec3d& point, Index triangle) const;
 
-  std::vector<SimdVec3> positions_;
+  Buffer<SimdVec3> positions_;
   std::span<const Triangle> triangles_;
-  std::vector<Node> nodes_;         // a heap: the children of i are 8i + 1 to 8i + 8
+  Buffer<Node> nodes_;              // a heap: the children of i are 8i + 1 to 8i + 8
   std::size_t first_triangle_ = 1;  // children from this number on are triangles, in this order:
-  std::vector<Index> order_;
+  Buffer<Index> order_;
 };
 
 /// Squared distance from a point to the nearest point of a triangle, which may be a line or a point.

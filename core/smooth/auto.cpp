@@ -58,8 +58,7 @@ Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, co
   if (chosen.strength == 0) stages.iterations = 0;
   auto outcome = smooth_learned_normals(surface, chosen, stages, run);
   if (!outcome) return outcome.error();
-  const double sharp_bending =
-      share_of_sharp_bending(surface, {.threads = run.threads});  // the mesh is done: no stop
+  const double sharp_bending = share_of_sharp_bending(surface, run);  // a stop makes it mean nothing
   outcome->choice = MethodChoice{
       .method = "learned_normals",
       .parameters = {{"iterations", std::int64_t{stages.iterations}}, {"strength", chosen.strength}},
