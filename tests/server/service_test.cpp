@@ -47,7 +47,8 @@ TEST(SmoothService, ReportsWhatItDid) {
   EXPECT_EQ(report.choice().method(), "learned_normals");
   EXPECT_EQ(report.choice().parameters().at("strength").number_value(), 1);
   EXPECT_THAT(report.choice().reason(), ::testing::HasSubstr("gaussian noise"));
-  EXPECT_GT(report.choice().sharp_bending(), 0);
+  EXPECT_THAT(report.choice().reason(), ::testing::HasSubstr("free-form: 0% of its bending"));
+  EXPECT_EQ(report.choice().sharp_bending(), 0);
   EXPECT_EQ(report.parameters().at("boundary").string_value(), "fixed");
   EXPECT_EQ(report.parameters().size(), methods().front().parameters.size());
   EXPECT_EQ(report.errors().against(), "input");
@@ -235,6 +236,13 @@ TEST(SmoothService, KeepsPinnedVerticesAndCountsThem) {
   EXPECT_EQ(v, 642U);
   EXPECT_EQ(result->report.pinned_vertices(), pinned.size());
   EXPECT_EQ(smooth({.mesh = mesh})->report.pinned_vertices(), 0U);
+}
+
+TEST(SmoothService, SaysWhatKindOfSurfaceAutoFound) {
+  const std::string rough = testing::to_obj(testing::with_noise(testing::cube(20), 0.03));
+  const auto result = smooth({.mesh = rough});
+  ASSERT_TRUE(result);
+  EXPECT_GT(result->report.choice().sharp_bending(), 0.8);
 }
 
 TEST(SmoothService, ReportsTheNoiseOfTheInput) {
