@@ -37,8 +37,13 @@ void allow_many_files() {
 }
 
 /// glibc otherwise moves this bound up to 32 MiB, so that what a large mesh leaves lies between the blocks of
-/// the next: up to ten times its file's size after a few jobs, where seven and a half are enough.
-void give_back_large_blocks() { mallopt(M_MMAP_THRESHOLD, 4 << 20); }
+/// the next: up to ten times its file's size after a few jobs, where seven and a half are enough. Fixing it
+/// also fixes the bound above which free memory is given back, at 128 KiB, so that every small job would ask
+/// for its memory anew.
+void give_back_large_blocks() {
+  mallopt(M_MMAP_THRESHOLD, 4 << 20);
+  mallopt(M_TRIM_THRESHOLD, 4 << 20);
+}
 
 /// Drains; one more signal cuts the grace period short.
 void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {

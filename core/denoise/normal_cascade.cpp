@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/measure/flat_edges.h"
+#include "core/denoise/surface_class.h"
 
 namespace burnish {
 namespace {

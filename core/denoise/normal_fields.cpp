@@ -8,11 +8,6 @@ namespace {
 /// The fields that offsets of centroids are measured along.
 constexpr std::array<std::size_t, 5> kAlong = {0, 2, 5, 8, 12};
 
-SimdVec3 unit(SimdVec3 sum, SimdVec3 otherwise) {
-  const float squared = dot(sum, sum);
-  return squared > 1e-12F ? sum * (1 / std::sqrt(squared)) : otherwise;
-}
-
 float difference(SimdVec3 a, SimdVec3 b) { return length(a - b); }
 
 }  // namespace
@@ -193,7 +188,7 @@ SimdVec3 NormalFields::blend(std::size_t face, const Weights& weights) const {
   const auto& fields = fields_[face];
   SimdVec3 sum;
   for (std::size_t k = 0; k < kFields; ++k) sum += fields[k] * weights[k];
-  return unit(sum, fields[0]);
+  return unit_or(sum, 1, fields[0]);
 }
 
 }  // namespace burnish

@@ -34,55 +34,58 @@ NormalPatches::NormalPatches(const Surface& surface, const Faces& faces, const R
       run_(run),
       patch_(faces),
       fields_(surface.mean_edge),
-      parts_((faces.size() + most_faces - 1) / most_faces) {
-  order_ = order_of_faces(surface.mesh, parts_, run);
+      parts_((faces.size() + most_faces - 1) / most_faces),
+      order_(order_of_faces(surface.mesh, parts_, run)) {
+  // Each part in the mesh's order, which the curve need not be.
+  if (parts_ > 1) parallel_tasks(parts_, run, [&](std::size_t part) { std::ranges::sort(own(part)); });
+}
+
+std::span<Index> NormalPatches::own(std::size_t part) {
+  const std::size_t begin = order_.size() * part / parts_, end = order_.size() * (part + 1) / parts_;
+  return std::span(order_).subspan(begin, end - begin);
 }
 
 bool NormalPatches::take(std::size_t part) {
   if (taken_ == part) return true;
   taken_.reset();
-  const std::size_t begin = faces_.size() * part / parts_, end = faces_.size() * (part + 1) / parts_;
-  // In the mesh's order, which the curve need not be.
-  const auto first = order_.begin() + static_cast<std::ptrdiff_t>(begin),
-             last = order_.begin() + static_cast<std::ptrdiff_t>(end);
-  std::sort(first, last);
-  if (!patch_.surround({first, last}, NormalFields::kRings)) return false;
+  if (!patch_.surround(own(part), NormalFields::kRings)) return false;
   taken_ = part;
   return true;
 }
 
 bool NormalPatches::measure(std::span<const SimdVec3> positions, const Visit& visit) {
-  if (parts_ > 1 && !whole_ && !measure_whole(positions)) return false;
+  Buffer<NormalFields::Whole> differences(whole_ ? 0 : faces_.size());
+  const auto gather = [&] {
+    return for_each(fields_.size(), run_,
+                    [&](std::size_t i) { differences[fields_.number(i)] = fields_.differences(i); });
+  };
+  if (parts_ > 1 && !whole_) {
+    for (std::size_t part = 0; part < parts_; ++part) {
+      if (!take(part) || !fields_.measure_differences(patch_, positions) || !gather()) return false;
+    }
+    whole_ = mean(differences);
+  }
   for (std::size_t part = 0; part < parts_; ++part) {
     if (!take(part) || !fields_.measure(patch_, positions)) return false;
-    if (!whole_) whole_ = means([&](std::size_t f) { return fields_.differences(f); });
+    if (!whole_) {
+      if (!gather()) return false;
+      whole_ = mean(differences);
+    }
     if (!visit(fields_)) return false;
   }
   return !run_.stopped();
 }
 
-bool NormalPatches::measure_whole(std::span<const SimdVec3> positions) {
-  Buffer<NormalFields::Whole> differences(faces_.size());
-  for (std::size_t part = 0; part < parts_; ++part) {
-    if (!take(part) || !fields_.measure_differences(patch_, positions)) return false;
-    for_each(fields_.size(), run_,
-             [&](std::size_t i) { differences[fields_.number(i)] = fields_.differences(i); });
-  }
-  whole_ = means([&](std::size_t f) { return differences[f]; });
-  return !run_.stopped();
-}
-
-/// of(f) averaged over all faces, added in the order of the mesh.
-template <class Of>
-NormalFields::Whole NormalPatches::means(Of&& of) const {
+/// Added in the order of the mesh.
+NormalFields::Whole NormalPatches::mean(std::span<const NormalFields::Whole> differences) const {
   NormalFields::Whole result{};
   for (std::size_t k = 0; k < result.size(); ++k) {
-    const double sum = parallel_sum(faces_.size(), run_, [&](std::size_t begin, std::size_t end) {
+    const double sum = parallel_sum(differences.size(), run_, [&](std::size_t begin, std::size_t end) {
       double part = 0;
-      for (std::size_t f = begin; f < end; ++f) part += static_cast<double>(of(f)[k]);
+      for (std::size_t f = begin; f < end; ++f) part += static_cast<double>(differences[f][k]);
       return part;
     });
-    result[k] = static_cast<float>(sum / static_cast<double>(faces_.size()));
+    result[k] = static_cast<float>(sum / static_cast<double>(differences.size()));
   }
   return result;
 }

@@ -27,16 +27,15 @@ class NormalPatches {
 
  private:
   bool take(std::size_t part);
-  bool measure_whole(std::span<const SimdVec3> positions);
-  template <class Of>
-  NormalFields::Whole means(Of&& of) const;
+  std::span<Index> own(std::size_t part);
+  NormalFields::Whole mean(std::span<const NormalFields::Whole> differences) const;
 
   const Faces& faces_;
   const RunControl& run_;
   FacePatch patch_;
   NormalFields fields_;
-  std::vector<Index> order_;  // faces, near ones together
   std::size_t parts_;
+  std::vector<Index> order_;  // faces, part by part
   std::optional<std::size_t> taken_;
   std::optional<NormalFields::Whole> whole_;
 };

@@ -29,11 +29,12 @@ constexpr double kSmoothRest = 0.005;
 
 class Estimator {
  public:
-  Estimator(const Surface& surface, const RunControl& run)
-      : surface_(surface),
+  Estimator(const Surface& surface, std::span<const Vec3f> positions, const RunControl& run)
+      : triangles_(surface.mesh.triangles),
         topology_(surface.topology),
+        positions_(positions),
         run_(run),
-        size_(surface.mesh.positions.size()),
+        size_(positions.size()),
         smooth_(size_),
         heights_(size_),
         residuals_(size_) {}
@@ -60,7 +61,7 @@ class Estimator {
 
   bool smooth() {
     Buffer<SimdVec3> next(size_);
-    if (!for_each(size_, run_, [&](std::size_t v) { smooth_[v] = SimdVec3(surface_.mesh.positions[v]); })) {
+    if (!for_each(size_, run_, [&](std::size_t v) { smooth_[v] = SimdVec3(positions_[v]); })) {
       return false;
     }
     for (int step = 0; step < kSteps; ++step) {
@@ -79,13 +80,13 @@ class Estimator {
   /// (I - P)^2 of the heights over the smooth copy: how far each vertex is from where its neighbours would
   /// have it, less the same of these. The first difference still holds the surface's curvature.
   bool measure_residuals() {
-    const auto& positions = surface_.mesh.positions;
+    const auto& positions = positions_;
     const bool first = for_each(size_, run_, [&](std::size_t v) {
       SimdVec3 sum, normal;
       const auto row = topology_.vertex_neighbours[v];
       for (const Index w : row) sum += SimdVec3(positions[w]);
       for (const Index f : topology_.vertex_faces[v]) {
-        const auto& [a, b, c] = surface_.mesh.triangles[f];
+        const auto& [a, b, c] = triangles_[f];
         normal += cross(smooth_[b] - smooth_[a], smooth_[c] - smooth_[a]);
       }
       const float size = length(normal);
@@ -165,8 +166,9 @@ class Estimator {
     return topology_.edges > 0 ? sum / (2.0 * topology_.edges) : 0;
   }
 
-  const Surface& surface_;
+  const std::span<const Triangle> triangles_;
   const Topology& topology_;
+  const std::span<const Vec3f> positions_;
   const RunControl& run_;
   const std::size_t size_;
   Buffer<SimdVec3> smooth_;
@@ -189,8 +191,9 @@ std::string_view name_of(NoiseEstimate::Kind kind) {
   return "";
 }
 
-NoiseEstimate estimate_noise(const Surface& surface, const RunControl& run) {
-  return Estimator(surface, run).estimate();
+NoiseEstimate estimate_noise(const Surface& surface, std::span<const Vec3f> positions,
+                             const RunControl& run) {
+  return Estimator(surface, positions, run).estimate();
 }
 
 }  // namespace burnish

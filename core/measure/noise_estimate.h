@@ -1,6 +1,7 @@
 // How noisy a scan is, from the scan alone.
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include "core/mesh/surface.h"
@@ -23,7 +24,7 @@ struct NoiseEstimate {
 /// "none", "gaussian", "impulsive"
 std::string_view name_of(NoiseEstimate::Kind kind);
 
-/// From the surface's positions as they are. Meaningless when stopped: ask run.stopped().
-NoiseEstimate estimate_noise(const Surface& surface, const RunControl& run);
+/// Of the surface with these positions for its own. Meaningless when stopped: ask run.stopped().
+NoiseEstimate estimate_noise(const Surface& surface, std::span<const Vec3f> positions, const RunControl& run);
 
 }  // namespace burnish

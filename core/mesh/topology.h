@@ -47,6 +47,8 @@ struct Topology {
   std::uint32_t components = 0;     ///< sets of triangles connected by vertices
   bool repeated_triangles = false;  ///< two triangles have the same corners: the rest means nothing then
 
+  /// Pairs of triangles that are neighbours across an edge.
+  std::uint32_t adjacent_pairs() const { return edges - boundary_edges - non_manifold_edges; }
   bool has(Index vertex, VertexFlag flag) const { return (vertex_flags[vertex] & flag) != 0; }
   /// The neighbour of triangle t across its edge e winds the other way.
   bool opposed(std::size_t t, std::size_t e) const {

@@ -1,7 +1,9 @@
 #include "core/smooth/adaptive.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "core/mesh/faces_around.h"
 #include "core/run/buffer.h"
 #include "core/run/math.h"
 #include "core/run/parallel.h"
@@ -34,6 +36,7 @@ class Adaptive {
       wings_.resize(planes_.size());
       for_faces([&](std::size_t f) { wings_[f] = wings(f); });
     }
+    if (params.neighbourhood == AdaptiveParams::Neighbourhood::Vertices) around_.emplace(surface, run);
     if (!as_printed_ || params.offsets == AdaptiveParams::Offsets::Area) area_normals_.resize(planes_.size());
   }
 
@@ -111,7 +114,7 @@ class Adaptive {
         if (neighbour != kNone) add(neighbour, topology_.opposed(f, side));
       }
     } else {
-      for_each_vertex_neighbour(f, [&](Index neighbour) { add(neighbour, false); });
+      around_->for_each(f, [&](Index neighbour) { add(neighbour, false); });
     }
     const float size = length(sum);
     if (size <= kVanishing * areas || areas == 0) {
@@ -130,22 +133,6 @@ class Adaptive {
     const Triangle& t = surface_.mesh.triangles[f];
     const SimdVec3 m = expected_normal(f);
     return Row{m.x(), m.y(), m.z(), dot(m, (from[t[0]] + from[t[1]] + from[t[2]]) * (1.0F / 3.0F))};
-  }
-
-  /// Each triangle that shares a vertex with f, once, f itself left out.
-  template <class Visit>
-  void for_each_vertex_neighbour(std::size_t f, Visit&& visit) const {
-    const Triangle& t = surface_.mesh.triangles[f];
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      for (const Index neighbour : topology_.vertex_faces[t[corner]]) {
-        if (neighbour == f) continue;
-        const Triangle& n = surface_.mesh.triangles[neighbour];
-        const auto seen_at = [&](std::size_t c) { return n[0] == t[c] || n[1] == t[c] || n[2] == t[c]; };
-        bool seen = false;
-        for (std::size_t earlier = 0; earlier < corner; ++earlier) seen = seen || seen_at(earlier);
-        if (!seen) visit(neighbour);
-      }
-    }
   }
 
   /// V, Eq. 2: the mean of [PC . m(R)] m(R) over the triangles R at P.
@@ -191,8 +178,9 @@ class Adaptive {
   ValenceOrder order_;
   const bool as_printed_ = params_.normals == AdaptiveParams::Normals::Raw &&
                            params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges;
-  Buffer<Wings> wings_;       ///< of every triangle, when Eq. 1 is as printed
-  Buffer<Row> area_normals_;  ///< of every triangle, when something else asks for them
+  std::optional<FacesAround> around_;  ///< when Eq. 1 averages over them
+  Buffer<Wings> wings_;                ///< of every triangle, when Eq. 1 is as printed
+  Buffer<Row> area_normals_;           ///< of every triangle, when something else asks for them
   Buffer<Row> planes_;
   double per_squared_scale_;
 };

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/measure/flat_edges.h"
+#include "core/denoise/surface_class.h"
 #include "core/measure/noise_estimate.h"
 #include "core/smooth/learned_normals.h"
 #include "core/smooth/parameters.h"
@@ -50,7 +50,7 @@ std::string reason(const NoiseEstimate& noise, double share, double sharp_bendin
 
 Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, const IterationOptions& options,
                                   const RunControl& run) {
-  const NoiseEstimate noise = estimate_noise(surface, run);
+  const NoiseEstimate noise = estimate_noise(surface, surface.mesh.positions, run);
   if (run.stopped()) return run.stop_error();
   const double share = share_of_noise(noise.sigma_over_edge);
   const LearnedNormalsParams chosen{.strength = params.strength * share};
@@ -59,6 +59,7 @@ Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, co
   auto outcome = smooth_learned_normals(surface, chosen, stages, run);
   if (!outcome) return outcome.error();
   const double sharp_bending = share_of_sharp_bending(surface, run);  // a stop makes it mean nothing
+  outcome->noise = noise;
   outcome->choice = MethodChoice{
       .method = "learned_normals",
       .parameters = {{"iterations", std::int64_t{stages.iterations}}, {"strength", chosen.strength}},

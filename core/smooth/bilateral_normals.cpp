@@ -24,10 +24,7 @@ Result<SmoothOutcome> smooth_bilateral_normals(Surface& surface, const Bilateral
   };
   return iterate_normals(
       surface, faces, constraints, options,
-      {.filter = filter,
-       .move =
-           move_by(constraints, [&](auto from, std::size_t v) { return faces.offset_by_count(from[v], v); }),
-       .vertex_steps = params.vertex_steps});
+      {.filter = filter, .move = move_to_fit(constraints, faces), .vertex_steps = params.vertex_steps});
 }
 
 Method bilateral_normals_method() {
@@ -53,16 +50,14 @@ Method bilateral_normals_method() {
           number_parameter("sigma_s", kDefaults.sigma_s, 0.01, 10, "1",
                            "Standard deviation of the difference between unit normals: less keeps blunter "
                            "edges, and more of the noise."),
-          number_parameter("sigma_c", kDefaults.sigma_c, 0.1, 100, "mean distances of adjacent centroids",
-                           "Standard deviation of the distance between centroids."),
+          centroid_distance_parameter("sigma_c", kDefaults.sigma_c),
           neighbourhood_parameter(kDefaults.neighbourhood),
           count_parameter("normal_steps", kDefaults.normal_steps, 1, 100,
                           "How often normals are filtered in a row; of the local scheme."),
           number_parameter(
               "lambda", kDefaults.lambda, 0.001, 1, "1",
               "Weight of the normals as they are against their smoothness; of the global scheme."),
-          count_parameter("vertex_steps", kDefaults.vertex_steps, 1, 100,
-                          "How often the vertices move per iteration."),
+          vertex_steps_parameter(kDefaults.vertex_steps),
       }),
       .work_memory = {.per_vertex = 100, .per_triangle = 190},
       .nanoseconds = 150,

@@ -38,9 +38,7 @@ Result<SmoothOutcome> smooth_fast_effective(Surface& surface, const FastEffectiv
     return going;
   };
   return iterate_normals(surface, faces, constraints, options,
-                         {.filter = filter, .move = move_by(constraints, [&](auto from, std::size_t v) {
-                                              return faces.offset_by_count(from[v], v);
-                                            })});
+                         {.filter = filter, .move = move_to_fit(constraints, faces)});
 }
 
 Method fast_effective_method() {

@@ -21,10 +21,7 @@ Result<SmoothOutcome> smooth_guided(Surface& surface, const GuidedParams& params
   };
   return iterate_normals(
       surface, faces, constraints, options,
-      {.filter = filter,
-       .move =
-           move_by(constraints, [&](auto from, std::size_t v) { return faces.offset_by_count(from[v], v); }),
-       .vertex_steps = params.vertex_steps});
+      {.filter = filter, .move = move_to_fit(constraints, faces), .vertex_steps = params.vertex_steps});
 }
 
 Method guided_method() {
@@ -46,15 +43,13 @@ Method guided_method() {
           number_parameter("sigma_r", kDefaults.sigma_r, 0.01, 10, "1",
                            "Standard deviation of the difference between guidance normals: less keeps "
                            "blunter edges, and more of the noise."),
-          number_parameter("sigma_s", kDefaults.sigma_s, 0.1, 100, "mean distances of adjacent centroids",
-                           "Standard deviation of the distance between centroids."),
+          centroid_distance_parameter("sigma_s", kDefaults.sigma_s),
           number_parameter("radius", kDefaults.radius, 0, 4, "mean distances of adjacent centroids",
                            "Neighbours are the triangles whose centroids are this near, and all that share "
                            "a vertex; 128 at most."),
           count_parameter("normal_steps", kDefaults.normal_steps, 1, 100,
                           "How often normals are filtered in a row."),
-          count_parameter("vertex_steps", kDefaults.vertex_steps, 1, 100,
-                          "How often the vertices move per iteration."),
+          vertex_steps_parameter(kDefaults.vertex_steps),
       }),
       .work_memory = {.per_vertex = 180, .per_triangle = 360},
       .nanoseconds = 290,

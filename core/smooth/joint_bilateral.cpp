@@ -22,8 +22,7 @@ Result<SmoothOutcome> smooth_joint_bilateral(Surface& surface, const JointBilate
   Faces faces(surface, FaceNeighbourhood::Vertices, run);
   Buffer<SimdVec3> guide(faces.size());
   const auto filter = [&](std::span<const SimdVec3> from) {
-    if (!faces.measure(from)) return false;
-    std::ranges::copy(faces.normals(), guide.begin());
+    if (!faces.measure(from) || !faces.copy_normals(guide)) return false;
     for (std::uint32_t step = 0; step < params.guide_steps; ++step) {
       if (!faces.filter([&](std::size_t f) { return faces.mean_of_neighbours(f); })) return false;
     }
@@ -60,16 +59,14 @@ Method joint_bilateral_method() {
       .parameters = with_iteration_parameters({
           number_parameter("sigma_s", kDefaults.sigma_s, 0.01, 10, "1",
                            "Standard deviation of the difference between unit normals of the guide."),
-          number_parameter("sigma_c", kDefaults.sigma_c, 0.1, 100, "mean distances of adjacent centroids",
-                           "Standard deviation of the distance between centroids."),
+          centroid_distance_parameter("sigma_c", kDefaults.sigma_c),
           count_parameter(
               "guide_steps", kDefaults.guide_steps, 1, 100,
               "How often normals are averaged over the triangles that share a vertex, to make the "
               "guide."),
           number_parameter("laplacian", kDefaults.laplacian, 0, 1, "1",
                            "Part of the way to the mean of the neighbours, within the surface."),
-          count_parameter("vertex_steps", kDefaults.vertex_steps, 1, 100,
-                          "How often the vertices move per iteration."),
+          vertex_steps_parameter(kDefaults.vertex_steps),
           number_parameter("distance", kDefaults.distance, 0.001, 1000, "mean edge lengths",
                            "No vertex ends farther than this from where it came."),
       }),

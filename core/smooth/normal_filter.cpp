@@ -1,7 +1,5 @@
 #include "core/smooth/normal_filter.h"
 
-#include <atomic>
-
 #include "core/smooth/parameters.h"
 
 namespace burnish {
@@ -38,21 +36,13 @@ std::vector<float> orientations(const Surface& surface, const RunControl& run) {
   return orientation;
 }
 
-bool has_crowds(const Topology& topology, const RunControl& run) {
-  std::atomic<bool> any = false;
-  for_each(topology.vertex_faces.rows(), run, [&](std::size_t v) {
-    if (topology.vertex_faces[v].size() > Faces::kMostAround) any.store(true, std::memory_order_relaxed);
-  });
-  return any.load();
-}
-
 }  // namespace
 
 Faces::Faces(const Surface& surface, FaceNeighbourhood neighbourhood, const RunControl& run)
     : surface_(surface),
       neighbourhood_(neighbourhood),
       run_(run),
-      has_crowds_(has_crowds(surface.topology, run)),
+      around_(surface, run),
       orientation_(orientations(surface, run)),
       normals_(surface.mesh.triangles.size()),
       next_normals_(normals_.size()),
@@ -88,7 +78,6 @@ SimdVec3 Faces::mean_of_neighbours(std::size_t f) const {
 
 double Faces::mean_centroid_distance() const {
   const Topology& topology = surface_.topology;
-  const auto pairs = topology.edges - topology.boundary_edges - topology.non_manifold_edges;
   const double sum = parallel_sum(size(), run_, [&](std::size_t begin, std::size_t end) {
     double part = 0;
     for (std::size_t f = begin; f < end; ++f) {
@@ -99,7 +88,7 @@ double Faces::mean_centroid_distance() const {
     }
     return part;
   });
-  return pairs > 0 ? sum / pairs : 0;
+  return topology.adjacent_pairs() > 0 ? sum / topology.adjacent_pairs() : 0;
 }
 
 Result<SmoothOutcome> iterate_normals(Surface& surface, Faces& faces, const Constraints& constraints,
@@ -139,6 +128,15 @@ ParameterSpec neighbourhood_parameter(FaceNeighbourhood standard) {
 
 FaceNeighbourhood neighbourhood_of(const ParameterValues& values) {
   return values.choice("neighbourhood") == "edges" ? FaceNeighbourhood::Edges : FaceNeighbourhood::Vertices;
+}
+
+ParameterSpec vertex_steps_parameter(std::uint32_t standard) {
+  return count_parameter("vertex_steps", standard, 1, 100, "How often the vertices move per iteration.");
+}
+
+ParameterSpec centroid_distance_parameter(std::string name, double standard) {
+  return number_parameter(std::move(name), standard, 0.1, 100, "mean distances of adjacent centroids",
+                          "Standard deviation of the distance between centroids.");
 }
 
 }  // namespace burnish

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/faces_around.h"
 #include "core/run/buffer.h"
 #include "core/run/parallel.h"
 #include "core/smooth/iteration.h"
@@ -18,8 +19,8 @@
 
 namespace burnish {
 
-/// Whose normals are averaged: triangles across the three edges, or all that share a vertex. Never the
-/// triangle itself. Edges where three or more triangles meet do not make neighbours by edge.
+/// Whose normals are averaged: triangles across the three edges, or all that share a vertex (FacesAround).
+/// Never the triangle itself. Edges where three or more triangles meet do not make neighbours by edge.
 enum class FaceNeighbourhood : std::uint8_t { Edges, Vertices };
 
 /// `sum` made a unit vector; `otherwise` where it vanishes beside `weights`, the sum of what was added, and
@@ -33,10 +34,6 @@ inline SimdVec3 unit_or(SimdVec3 sum, float weights, SimdVec3 otherwise) {
 /// Normals, areas and centroids of the faces. Everything is in local units.
 class Faces {
  public:
-  /// Triangles at a vertex above which they are neighbours across edges only: a fan of n triangles would be
-  /// n^2 pairs.
-  static constexpr std::size_t kMostAround = 128;
-
   Faces(const Surface& surface, FaceNeighbourhood neighbourhood, const RunControl& run);
 
   /// All three from positions. False when stopped.
@@ -79,7 +76,10 @@ class Faces {
 
   std::size_t size() const { return normals_.size(); }
   std::span<const SimdVec3> normals() const { return normals_; }
-  /// For a filter that needs two fields of normals; `other` has as many entries.
+  /// For a filter that needs two fields of normals; `other` has as many entries. False when stopped.
+  bool copy_normals(Buffer<SimdVec3>& other) const {
+    return for_each(normals_.size(), run_, [&](std::size_t f) { other[f] = normals_[f]; });
+  }
   void swap_normals(Buffer<SimdVec3>& other) { normals_.swap(other); }
   SimdVec3 normal(std::size_t f) const { return normals_[f]; }
   SimdVec3 centroid(std::size_t f) const { return centroids_[f]; }
@@ -97,7 +97,7 @@ class Faces {
         if (neighbour != kNone) visit(neighbour);
       }
     } else {
-      for_each_by_vertex(f, visit);
+      around_.for_each(f, visit);
     }
   }
 
@@ -146,56 +146,10 @@ class Faces {
     return (positions[a] + positions[b] + positions[c]) * (1.0F / 3.0F);
   }
 
-  template <class Visit>
-  void for_each_by_vertex(std::size_t f, Visit&& visit) const {
-    const Triangle& t = surface_.mesh.triangles[f];
-    const Triangle& across = surface_.topology.face_neighbours[f];
-    const auto at_corner = [&](std::size_t corner, auto&& seen) {
-      for (const Index n : surface_.topology.vertex_faces[t[corner]]) {
-        if (n != f && !seen(n)) visit(n);
-      }
-    };
-    if (has_crowds_ && (crowded(t[0]) || crowded(t[1]) || crowded(t[2]))) {
-      for_each_beside_crowds(f, visit);
-      return;
-    }
-    at_corner(0, [](Index) { return false; });
-    if (surface_.topology.non_manifold_edges == 0) {  // what shares two corners is across their edge
-      at_corner(1, [&](Index n) { return n == across[0]; });
-      at_corner(2, [&](Index n) { return n == across[1] || n == across[2]; });
-    } else {
-      at_corner(1, [&](Index n) { return has_corner(n, t[0]); });
-      at_corner(2, [&](Index n) { return has_corner(n, t[0]) || has_corner(n, t[1]); });
-    }
-  }
-  /// At a crowded corner only the triangles across its two edges.
-  template <class Visit>
-  void for_each_beside_crowds(std::size_t f, Visit&& visit) const {
-    const Triangle& t = surface_.mesh.triangles[f];
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      if (crowded(t[corner])) continue;
-      for (const Index n : surface_.topology.vertex_faces[t[corner]]) {
-        bool seen = n == f;
-        for (std::size_t before = 0; before < corner; ++before)
-          seen = seen || (!crowded(t[before]) && has_corner(n, t[before]));
-        if (!seen) visit(n);
-      }
-    }
-    for (std::size_t edge = 0; edge < 3; ++edge) {
-      const Index n = surface_.topology.face_neighbours[f][edge];
-      if (n != kNone && crowded(t[edge]) && crowded(t[(edge + 1) % 3])) visit(n);
-    }
-  }
-  bool crowded(Index v) const { return surface_.topology.vertex_faces[v].size() > kMostAround; }
-  bool has_corner(Index f, Index vertex) const {
-    const Triangle& t = surface_.mesh.triangles[f];
-    return t[0] == vertex || t[1] == vertex || t[2] == vertex;
-  }
-
   const Surface& surface_;
   const FaceNeighbourhood neighbourhood_;
   const RunControl& run_;
-  const bool has_crowds_;
+  const FacesAround around_;
   std::vector<float> orientation_;                       // 1 or -1 per face; empty: all 1
   Buffer<SimdVec3> normals_, next_normals_, centroids_;  // filled by measure()
   Buffer<float> twice_areas_;
@@ -226,6 +180,13 @@ auto move_by(const Constraints& constraints, Offset offset) {
   };
 }
 
+/// The move v' = v + offset_by_count(v).
+inline auto move_to_fit(const Constraints& constraints, const Faces& faces) {
+  return move_by(constraints, [&faces](std::span<const SimdVec3> from, std::size_t v) {
+    return faces.offset_by_count(from[v], v);
+  });
+}
+
 /// iterate() over them. Errors: Cancelled, DeadlineExceeded.
 Result<SmoothOutcome> iterate_normals(Surface& surface, Faces& faces, const Constraints& constraints,
                                       const IterationOptions& options, const NormalPasses& passes);
@@ -233,5 +194,9 @@ Result<SmoothOutcome> iterate_normals(Surface& surface, Faces& faces, const Cons
 /// The parameter `neighbourhood`, and its value.
 ParameterSpec neighbourhood_parameter(FaceNeighbourhood standard);
 FaceNeighbourhood neighbourhood_of(const ParameterValues& values);
+
+/// The parameter `vertex_steps`, and a parameter of this name for a Gaussian of the distance of centroids.
+ParameterSpec vertex_steps_parameter(std::uint32_t standard);
+ParameterSpec centroid_distance_parameter(std::string name, double standard);
 
 }  // namespace burnish

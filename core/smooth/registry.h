@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/measure/noise_estimate.h"
 #include "core/mesh/surface.h"
 
 namespace burnish {
@@ -55,6 +56,7 @@ struct SmoothOutcome {
   std::uint32_t iterations = 0;  ///< that were completed
   std::vector<Warning> warnings;
   std::optional<MethodChoice> choice = {};  ///< set by `auto`
+  std::optional<NoiseEstimate> noise = {};  ///< of the mesh as it was, by a method that looks at it
 };
 
 /// Bytes that a run takes beside the surface, at the most, whatever its parameters;

@@ -27,11 +27,11 @@ bool filter_once(Faces& faces, std::span<const SimdVec3> guide, float per_distan
 
 bool RobustFilter::filter(Faces& faces, const RobustWidths& widths, std::uint32_t steps) {
   const float per_distance = gaussian_factor(widths.sigma_c * faces.mean_centroid_distance());
-  std::ranges::copy(faces.normals(), input_.begin());
+  if (!faces.copy_normals(input_)) return false;
   for (std::uint32_t step = 0; step < steps; ++step) {
     if (!filter_once(faces, faces.normals(), per_distance, widths.first_threshold)) return false;
   }
-  std::ranges::copy(faces.normals(), guide_.begin());
+  if (!faces.copy_normals(guide_)) return false;
   faces.swap_normals(input_);
   for (std::uint32_t step = 0; step < steps; ++step) {
     if (!filter_once(faces, guide_, per_distance, widths.second_threshold)) return false;

@@ -40,6 +40,11 @@ class Pipeline {
     }
   }
 
+  void describe(const NoiseEstimate& noise) {
+    report().mutable_noise()->set_sigma_over_edge(noise.sigma_over_edge);
+    report().mutable_noise()->set_kind(std::string(name_of(noise.kind)));
+  }
+
   void describe(const MethodChoice& choice) {
     report().mutable_choice()->set_method(choice.method);
     report().mutable_choice()->set_reason(choice.reason);
@@ -58,7 +63,6 @@ class Pipeline {
     warn(input_.warnings());
     input_.summarise(*report().mutable_input());
     if (auto pinned = pin(); !pinned) return pinned;
-    estimate_noise();
     if (job_.reference.empty()) return {};
     auto reference =
         load_mesh(job_.reference, job_.reference_format, "reference: ", limits_, run_, timings());
@@ -76,14 +80,6 @@ class Pipeline {
     return {};
   }
 
-  void estimate_noise() {
-    Stopwatch watch;
-    const NoiseEstimate noise = burnish::estimate_noise(input_.surface, run_);
-    report().mutable_noise()->set_sigma_over_edge(noise.sigma_over_edge);
-    report().mutable_noise()->set_kind(std::string(name_of(noise.kind)));
-    timings().set_prepare_ms(timings().prepare_ms() + watch.lap());
-  }
-
   Result<> smooth() {
     enter(v1::SMOOTH_STAGE_SMOOTH);
     Stopwatch watch;
@@ -95,6 +91,7 @@ class Pipeline {
     if (!outcome) return outcome.error();
     warn(outcome->warnings);
     if (outcome->choice) describe(*outcome->choice);
+    if (outcome->noise) describe(*outcome->noise);
     timings().set_smooth_ms(watch.lap());
     return {};
   }
@@ -113,6 +110,8 @@ class Pipeline {
     const auto change = measure_change(input_.surface, before_, after, run_);
     if (!change) return change.error();
     fill(*change, *report().mutable_change());
+    if (!report().has_noise()) describe(estimate_noise(input_.surface, before_, run_));
+    if (run_.stopped()) return run_.stop_error();
     if (!corresponding) warn({connectivity_differs()});
     timings().set_measure_ms(watch.lap());
     return {};

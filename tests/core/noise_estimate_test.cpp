@@ -13,7 +13,7 @@ namespace {
 using namespace burnish::testing;
 using Kind = NoiseEstimate::Kind;
 
-NoiseEstimate estimate(const Surface& surface) { return estimate_noise(surface, {}); }
+NoiseEstimate estimate(const Surface& surface) { return estimate_noise(surface, surface.mesh.positions, {}); }
 
 Surface noisy(const Surface& clean, const NoiseOptions& options) {
   Surface surface = clean;
@@ -59,7 +59,9 @@ TEST(NoiseEstimate, DoesNotDependOnHowTheMeshLiesOrHowManyThreadsLook) {
                                      with_vertex_order(shape, shuffled(shape.positions.size()))}) {
     EXPECT_NEAR(estimate(surface_of(same)).sigma_over_edge, found.sigma_over_edge, 1e-3);
   }
-  EXPECT_EQ(estimate_noise(surface_of(shape), {.threads = 3}).sigma_over_edge, found.sigma_over_edge);
+  const Surface surface = surface_of(shape);
+  EXPECT_EQ(estimate_noise(surface, surface.mesh.positions, {.threads = 3}).sigma_over_edge,
+            found.sigma_over_edge);
 }
 
 TEST(NoiseEstimate, IsNoneWhereThereIsTooLittleToSee) {

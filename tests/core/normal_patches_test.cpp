@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/denoise/normal_patches.h"
+#include "core/smooth/adaptive.h"
 #include "core/smooth/learned_normals.h"
 #include "tests/support/irregular.h"
 #include "tests/support/shapes.h"
@@ -81,11 +82,15 @@ TEST(Faces, OfAFanAreNeighboursOfAllOfItUnlessThatIsACrowd) {
   }
 }
 
-TEST(LearnedNormals, OfAFanOfAHundredThousandNeitherRunOutOfMemoryNorStay) {
-  Surface surface = surface_of(fan(100'000));
-  const auto before = surface.mesh.positions;
-  ASSERT_TRUE(smooth_learned_normals(surface, {}, {.iterations = 1}, {}));
-  EXPECT_FALSE(surface.mesh.positions == before);
+/// n^2 pairs of neighbours would be minutes, and more bytes than there are.
+TEST(Faces, OfAFanOfAHundredThousandAreSmoothedAtOnce) {
+  const AdaptiveParams by_vertices{.neighbourhood = AdaptiveParams::Neighbourhood::Vertices};
+  Surface learned = surface_of(fan(100'000)), adaptive = learned;
+  const auto before = learned.mesh.positions;
+  ASSERT_TRUE(smooth_learned_normals(learned, {}, {.iterations = 1}, {}));
+  EXPECT_FALSE(learned.mesh.positions == before);
+  ASSERT_TRUE(smooth_adaptive(adaptive, by_vertices, {.iterations = 3}, {}));
+  EXPECT_FALSE(adaptive.mesh.positions == before);
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
-#include "core/measure/flat_edges.h"
-
-#include <algorithm>
+#include "core/denoise/surface_class.h"
 
 #include "core/smooth/normal_filter.h"
 
@@ -8,18 +6,16 @@ namespace burnish {
 
 double share_of_flat_edges(const Topology& topology, std::span<const SimdVec3> normals,
                            const RunControl& run) {
-  constexpr float kFlatEdge = 0.06F, kAny = 3;  // lengths of the difference of two normals
+  constexpr float kFlatEdge = 0.06F;  // length of the difference of two normals
   const auto& across = topology.face_neighbours;
-  const auto count = [&](float bound) {
-    return parallel_sum(across.size(), run, [&](std::size_t begin, std::size_t end) {
-      double edges = 0;
-      for (std::size_t f = begin; f < end; ++f) {
-        for (const Index g : across[f]) edges += g != kNone && length(normals[f] - normals[g]) < bound;
-      }
-      return edges;
-    });
-  };
-  return count(kFlatEdge) / std::max(count(kAny), 1.0);
+  const double flat = parallel_sum(across.size(), run, [&](std::size_t begin, std::size_t end) {
+    double pairs = 0;
+    for (std::size_t f = begin; f < end; ++f) {
+      for (const Index g : across[f]) pairs += g != kNone && length(normals[f] - normals[g]) < kFlatEdge;
+    }
+    return pairs / 2;  // each was met from both sides
+  });
+  return topology.adjacent_pairs() > 0 ? flat / topology.adjacent_pairs() : 0;
 }
 
 double share_of_sharp_bending(const Surface& surface, const RunControl& run) {
