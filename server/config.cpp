@@ -92,6 +92,17 @@ Result<Address> parse_address(std::string_view text) {
   return Address{std::string(host), port};
 }
 
+std::string default_store_folder() {
+  const auto variable = [](const char* name) {
+    const char* const value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (std::string state = variable("STATE_DIRECTORY"); !state.empty()) return state;
+  if (const std::string state = variable("XDG_STATE_HOME"); !state.empty()) return state + "/burnish";
+  const std::string home = variable("HOME");
+  return (home.empty() ? "/var/lib" : home + "/.local/state") + "/burnish";
+}
+
 std::variant<Config, int> parse_config(int argc, const char* const* argv) {
   Config config;
   const std::vector<Setting> settings = settings_of(config);
@@ -115,7 +126,10 @@ std::variant<Config, int> parse_config(int argc, const char* const* argv) {
     if (auto applied = apply_config_file(file, settings); !applied) return exit_code(applied.error());
   }
   if (auto applied = apply_options(settings, options); !applied) return exit_code(applied.error());
-  if (!print) return config;
+  if (!print) {
+    if (config.store_folder.empty()) config.store_folder = default_store_folder();
+    return config;
+  }
   std::printf("%s\n", config_json(settings).c_str());
   return 0;
 }

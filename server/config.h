@@ -41,6 +41,12 @@ struct Config {
   std::string spool_folder;      ///< for request bodies over 2 MiB; empty: the system's temporary folder
   std::uint64_t max_spool_bytes = std::uint64_t{8} << 30;  ///< of all request bodies together
 
+  std::string
+      store_folder;  ///< for jobs, uploads and results; empty: a temporary one that goes with the server
+  std::uint64_t max_store_bytes = std::uint64_t{64} << 30;  ///< of all files in it
+  std::uint32_t max_jobs = 10'000;                          ///< kept jobs that have not ended
+  std::chrono::seconds keep{24 * 3600};                     ///< for ended jobs, results, meshes and uploads
+
   RequestLimits limits;                                    ///< --max-bytes, --max-vertices, ...
   std::uint64_t max_unary_bytes = std::uint64_t{8} << 20;  ///< of a gRPC message; streams carry more
   int max_streams = 1024;                                  ///< gRPC calls at once on one connection
@@ -55,6 +61,11 @@ struct Config {
   std::chrono::seconds grace{30};         ///< for accepted jobs after a signal to stop
   std::string log_level = "info";
 };
+
+/// Where jobs are kept unless a setting tells: $STATE_DIRECTORY, as systemd sets it, $XDG_STATE_HOME/burnish,
+/// or
+/// ~/.local/state/burnish.
+std::string default_store_folder();
 
 /// The settings, or the exit code when there is nothing to serve: 0 after --help and --version, 2 after an
 /// error; the text is then printed already.

@@ -195,6 +195,12 @@ std::vector<Setting> job_settings(Config& config) {
            "for request bodies over 2 MiB; default: the system's temporary folder"),
       size("max-spool-bytes", config.max_spool_bytes, 1, 1024 * kTi,
            "request bodies in the server, together"),
+      path("store", config.store_folder, "FOLDER",
+           "for jobs, uploads and results; default: the state folder of the user"),
+      size("max-store-bytes", config.max_store_bytes, 1, 1024 * kTi, "all files in the store, together"),
+      number("max-jobs", config.max_jobs, 1, 1'000'000, "kept jobs that have not ended"),
+      seconds("keep-seconds", config.keep, 1, 365 * 86400,
+              "for how long ended jobs, results, meshes and uploads are kept"),
       seconds("max-seconds", config.longest_run, 1, 86400, "longest run of one job"),
       seconds("grace-seconds", config.grace, 0, 86400, "time for accepted jobs after a signal to stop"),
   };

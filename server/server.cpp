@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/observe/memory_limit.h"
+#include "server/store/sqlite_records.h"
 
 namespace burnish {
 namespace {
@@ -21,7 +22,7 @@ namespace {
 /// For answers that are still being sent after the jobs are done; over HTTP no longer than the grace period,
 /// because there nobody can tell them from a request that never comes whole.
 constexpr std::chrono::milliseconds kLastAnswers{30'000}, kLeastPatience{2000};
-constexpr std::chrono::seconds kHealthTick{1};
+constexpr std::chrono::seconds kHealthTick{1}, kSweepEvery{10};
 constexpr int kTrims =
     10;  // ticks after the last job in which memory goes back: answers are still being sent
 
@@ -42,7 +43,7 @@ Result<> write_ports_file(const std::string& path, const Address& grpc, const Ad
 
 }  // namespace
 
-Server::Server(const Config& config, SmoothFunction smooth)
+Server::Server(const Config& config, Store store, SmoothFunction smooth)
     : service_(config.limits),
       spool_({.folder = config.spool_folder, .max_bytes = config.max_spool_bytes}),
       runner_({.workers = config.workers,
@@ -50,13 +51,38 @@ Server::Server(const Config& config, SmoothFunction smooth)
                .threads = config.threads,
                .max_memory = config.max_memory ? config.max_memory : usable_memory() / 2,
                .longest_run = config.longest_run}),
+      store_(std::move(store)),
       jobs_(service_, runner_, spool_, lifecycle_, metrics_, std::move(smooth)),
+      durable_jobs_(*store_.records, *store_.files, jobs_,
+                    {.max_jobs = config.max_jobs, .keep = config.keep}),
+      uploads_(*store_.records, *store_.files, service_, {.keep = config.keep}),
       gateway_(jobs_, {.cors_origins = config.cors_origins}) {}
 
 Result<std::unique_ptr<Server>> Server::start(const Config& config, SmoothFunction smooth) {
-  auto server = std::unique_ptr<Server>(new Server(config, std::move(smooth)));
+  auto store = open_store(config);
+  if (!store) return std::move(store).error();
+  auto server = std::unique_ptr<Server>(new Server(config, std::move(store).value(), std::move(smooth)));
   if (auto opened = server->open(config); !opened) return std::move(opened).error();
   return server;
+}
+
+Result<Server::Store> Server::open_store(const Config& config) {
+  Store store;
+  std::string folder = config.store_folder;
+  if (folder.empty()) {
+    std::error_code failure;
+    folder = (std::filesystem::temp_directory_path(failure) / "burnish-store-XXXXXX").string();
+    if (!::mkdtemp(folder.data()))
+      return Error{Cause::BadOption, "cannot make a temporary folder for the store " + folder};
+    store.temporary = folder;
+  }
+  auto files = FileStore::open({.folder = folder, .max_bytes = config.max_store_bytes});
+  if (!files) return std::move(files).error();
+  store.files = std::move(files).value();
+  auto records = open_sqlite_records(folder + "/records.sqlite");
+  if (!records) return std::move(records).error();
+  store.records = std::move(records).value();
+  return store;
 }
 
 Result<> Server::open(const Config& config) {
@@ -68,10 +94,13 @@ Result<> Server::open(const Config& config) {
   if (!grpc) return std::move(grpc).error();
   grpc_ = std::move(grpc).value();
   if (auto passed = jobs_.self_test(); !passed) return passed;
+  if (auto resumed = uploads_.start(); !resumed) return resumed;
 
   lifecycle_.move_to(LifecycleState::Serving);
   tell_health();
   health_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
+  housekeeper_ = std::jthread([this](const std::stop_token& stop) { keep_house(stop); });
+  if (auto resumed = durable_jobs_.start(); !resumed) return resumed;
   spdlog::info("serving gRPC on {} and HTTP on {}", grpc_address().text(), http_address().text());
   if (config.ports_file.empty()) return {};
   return write_ports_file(config.ports_file, grpc_address(), http_address());
@@ -105,7 +134,22 @@ void Server::watch(const std::stop_token& stop) {
   }
 }
 
-Server::~Server() { stop(std::chrono::milliseconds::zero()); }
+void Server::keep_house(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  while (!stopped.wait_for(lock, stop, kSweepEvery, [&stop] { return stop.stop_requested(); })) {
+    uploads_.sweep();
+    if (auto swept = durable_jobs_.sweep(); !swept) spdlog::error("store: {}", swept.error().message);
+  }
+}
+
+Server::~Server() {
+  stop(std::chrono::milliseconds::zero());
+  if (store_.temporary.empty()) return;
+  std::error_code failure;
+  std::filesystem::remove_all(store_.temporary, failure);
+}
 
 void Server::stop(std::chrono::milliseconds grace) {
   const bool served = lifecycle_.serving();
@@ -114,9 +158,11 @@ void Server::stop(std::chrono::milliseconds grace) {
     tell_health();
     grpc_->refuse_uploads();
   }
+  durable_jobs_.stop();
   runner_.drain(grace);
   const std::lock_guard stopping(stop_mutex_);
   health_ = {};
+  housekeeper_ = {};
   if (http_) http_->stop(std::clamp(grace, kLeastPatience, kLastAnswers));
   if (grpc_) grpc_->stop(kLastAnswers);
   if (lifecycle_.move_to(LifecycleState::Stopped) && served) spdlog::info("stopped");

@@ -9,8 +9,10 @@
 #include "server/config.h"
 #include "server/grpc/grpc_server.h"
 #include "server/http/http_server.h"
+#include "server/jobs/durable_jobs.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/jobs.h"
+#include "server/jobs/uploads.h"
 #include "server/lifecycle.h"
 #include "server/observe/metrics.h"
 
@@ -18,9 +20,11 @@ namespace burnish {
 
 class Server {
  public:
-  /// Opens both ports, sends a tiny mesh through the workers, then serves, then writes the ports file.
-  /// `smooth` stands in for the real one in tests. Errors: BadOption when a port cannot open or the spool
-  /// folder cannot be written, FileError when the ports file cannot be written, what the self-test says.
+  /// Opens the store and both ports, sends a tiny mesh through the workers, then serves and takes up the jobs
+  /// that a former server left, then writes the ports file.
+  /// `smooth` stands in for the real one in tests. Errors: BadOption when a port or the store cannot open or
+  /// the spool folder cannot be written, FileError when the ports file cannot be written, what the self-test
+  /// says.
   static Result<std::unique_ptr<Server>> start(const Config& config, SmoothFunction smooth = {});
   ~Server();  ///< stop(zero)
 
@@ -35,24 +39,35 @@ class Server {
   void stop(std::chrono::milliseconds grace);
 
  private:
-  Server(const Config& config, SmoothFunction smooth);
+  /// What outlives servers.
+  struct Store {
+    std::string temporary;  ///< the folder, when it goes with the server
+    std::unique_ptr<FileStore> files;
+    std::unique_ptr<Records> records;
+  };
+  static Result<Store> open_store(const Config& config);
+  Server(const Config& config, Store store, SmoothFunction smooth);
   Result<> open(const Config& config);
   void tell_health();
   void watch(const std::stop_token& stop);
+  void keep_house(const std::stop_token& stop);
 
   Lifecycle lifecycle_;
   Metrics metrics_;
   SmoothService service_;
   Spool spool_;
   JobRunner runner_;
+  Store store_;
   Jobs jobs_;
+  DurableJobs durable_jobs_;
+  Uploads uploads_;
   Gateway gateway_;
   std::mutex stop_mutex_;
   std::unique_ptr<GrpcServer> grpc_;
   std::unique_ptr<HttpServer> http_;
   std::mutex health_mutex_;
-  bool healthy_ = false;  ///< guarded by health_mutex_
-  std::jthread health_;   ///< last: it uses all of the above
+  bool healthy_ = false;               ///< guarded by health_mutex_
+  std::jthread health_, housekeeper_;  ///< last: they use all of the above
 };
 
 }  // namespace burnish

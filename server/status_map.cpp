@@ -14,9 +14,13 @@ enum : int {
   kDeadlineExceeded = 4,
   kNotFound = 5,
   kResourceExhausted = 8,
+  kFailedPrecondition = 9,
+  kAborted = 10,
+  kOutOfRange = 11,
   kUnimplemented = 12,
   kInternal = 13,
   kUnavailable = 14,
+  kUnauthenticated = 16,
 };
 
 constexpr std::array kRows{
@@ -44,6 +48,15 @@ constexpr std::array kRows{
     StatusRow{Cause::NotFound, kNotFound, 404, 2, "Not found"},
     StatusRow{Cause::MethodNotAllowed, kUnimplemented, 405, 2, "Method not allowed"},
     StatusRow{Cause::NotAcceptable, kInvalidArgument, 406, 2, "Not acceptable"},
+    StatusRow{Cause::Expired, kNotFound, 410, 2, "Gone"},
+    StatusRow{Cause::NotReady, kFailedPrecondition, 409, 2, "Not ready"},
+    StatusRow{Cause::UploadOffsetMismatch, kFailedPrecondition, 409, 2, "Upload offset mismatch"},
+    StatusRow{Cause::UploadCorrupt, kInvalidArgument, 422, 3, "Upload corrupt"},
+    StatusRow{Cause::IdempotencyKeyReused, kInvalidArgument, 422, 2, "Idempotency key reused"},
+    StatusRow{Cause::IdempotencyKeyBusy, kAborted, 409, 4, "Idempotency key busy"},
+    StatusRow{Cause::RangeNotSatisfiable, kOutOfRange, 416, 2, "Range not satisfiable"},
+    StatusRow{Cause::Unauthenticated, kUnauthenticated, 401, 2, "Unauthenticated"},
+    StatusRow{Cause::QuotaExceeded, kResourceExhausted, 429, 4, "Quota exceeded"},
     StatusRow{Cause::Unreachable, kUnavailable, 503, 5, "Server unreachable"},
     StatusRow{Cause::FileError, kInternal, 500, 6, "File error"},
 };

@@ -39,9 +39,20 @@ enum class Cause : std::uint8_t {
   ShuttingDown,
   BadRequest,        ///< the request breaks the rules of its transport
   RequestTimeout,    ///< the request did not come whole in time
-  NotFound,          ///< HTTP: no such path
+  NotFound,          ///< no such path, job, upload or mesh, or not the caller's
   MethodNotAllowed,  ///< HTTP: the path exists, the verb does not
   NotAcceptable,     ///< HTTP: the answer has no type that the caller accepts
+  // Jobs that are kept.
+  Expired,               ///< the job's result is gone
+  NotReady,              ///< the job has not ended, or has no result to give
+  UploadOffsetMismatch,  ///< the bytes do not follow those that are there
+  UploadCorrupt,         ///< the bytes are not those that were announced
+  IdempotencyKeyReused,  ///< the key came before, with another request
+  IdempotencyKeyBusy,    ///< a request with this key is being received
+  RangeNotSatisfiable,   ///< the part asked for begins behind the end
+  // Who may.
+  Unauthenticated,  ///< no token, or one that is not known
+  QuotaExceeded,    ///< more than this token may have
   // The caller's side.
   Unreachable,  ///< client: the server does not answer
   FileError,    ///< command line: a file cannot be read or written

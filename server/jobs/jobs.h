@@ -19,12 +19,13 @@ namespace burnish {
 /// Sixteen random hexadecimal digits.
 std::string new_request_id();
 
-/// Who asks, for the log and the metrics.
+/// Who asks, and for whom: for the log, the metrics and what only its owner may see.
 struct Caller {
   Transport transport = Transport::Grpc;
   Kind kind = Kind::Smooth;  ///< of what was refused; smooth() and compare() know theirs
   std::string request_id = new_request_id();
   std::string trace_id = {};  ///< of a W3C traceparent; empty: none
+  std::string owner = {};     ///< whose token came with it; empty: the server asks for none
   std::optional<RunControl::Clock::time_point> deadline = {};
 };
 
@@ -65,6 +66,7 @@ class Jobs {
   const RequestLimits& limits() const { return service_.limits(); }
   /// Takes work: the lifecycle says so and the workers turn. Never waits.
   bool serving() const { return lifecycle_.serving() && runner_.healthy(); }
+  std::size_t workers() const { return runner_.workers(); }
   std::string metrics_text();
 
  private:

@@ -77,7 +77,7 @@ class Server:
         self.log = open(pathlib.Path(self.folder.name, "log"), "w+")
         self.process = subprocess.Popen(
             [BURNISHD, "--grpc-listen", "127.0.0.1:0", "--http-listen", "127.0.0.1:0", "--ports-file",
-             str(ports_file), *map(str, flags)], env=ENVIRONMENT, stdout=self.log, stderr=self.log)
+             str(ports_file), "--store", str(pathlib.Path(self.folder.name, "store")), *map(str, flags)], env=ENVIRONMENT, stdout=self.log, stderr=self.log)
         eventually(lambda: ports_file.exists() or self.process.poll() is not None, "burnishd serves")
         assert self.process.poll() is None, self.log_text()
         ports = json.loads(ports_file.read_text())
