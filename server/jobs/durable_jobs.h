@@ -2,6 +2,7 @@
 // is on disk before.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -89,8 +90,10 @@ class DurableJobs {
   /// Forgets what is out of time, and the files that nobody needs. Errors: those of Records.
   Result<> sweep(WallTime now = std::chrono::system_clock::now());
 
-  std::size_t waiting() const;  ///< jobs that are QUEUED
-  std::size_t running() const;  ///< jobs that are RUNNING
+  std::size_t waiting() const;                              ///< jobs that are QUEUED
+  std::size_t running() const;                              ///< jobs that are RUNNING
+  std::uint64_t cache_hits() const { return cache_hits_; }  ///< submissions whose result was there
+  std::uint64_t cache_misses() const { return cache_misses_; }
   /// When a caller that waits for a job may look again, by what is queued.
   std::chrono::milliseconds look_again_after() const;
 
@@ -107,6 +110,8 @@ class DurableJobs {
                  std::uint64_t reference_bytes) const;
   Result<v1::Job> accept(const Caller& caller, const Submission& submission, const std::string& mesh,
                          const std::string& reference, const std::string& request_hash);
+  Result<bool> reuse_result(JobRecord& record);
+  void end_now(JobRecord& record, v1::JobState state) const;
   Result<JobRecord> find(const Caller& caller, const std::string& id);
   void dispatch();
   bool start_next(std::unique_lock<std::mutex>& lock);
@@ -130,6 +135,7 @@ class DurableJobs {
   double seconds_per_job_ = 1;                               ///< of the last few
   std::set<std::pair<std::string, std::string>> busy_keys_;  ///< owner and key of requests being received
   bool stopping_ = false;
+  std::atomic<std::uint64_t> cache_hits_ = 0, cache_misses_ = 0;
   std::jthread dispatcher_;
 };
 

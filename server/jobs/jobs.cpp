@@ -223,12 +223,14 @@ Result<> Jobs::self_test() {
 }
 
 std::string Jobs::metrics_text() {
-  return metrics_.text({.queued = runner_.queued(),
-                        .running = runner_.running(),
-                        .workers = runner_.workers(),
-                        .reserved_bytes = runner_.reserved_bytes(),
-                        .spooled_bytes = spool_.bytes(),
-                        .lifecycle = lifecycle_name(lifecycle_.state())});
+  Gauges gauges{.queued = runner_.queued(),
+                .running = runner_.running(),
+                .workers = runner_.workers(),
+                .reserved_bytes = runner_.reserved_bytes(),
+                .spooled_bytes = spool_.bytes(),
+                .lifecycle = lifecycle_name(lifecycle_.state())};
+  more_gauges_(gauges);
+  return metrics_.text(gauges);
 }
 
 }  // namespace burnish

@@ -68,6 +68,8 @@ class Jobs {
   bool serving() const { return lifecycle_.serving() && runner_.healthy(); }
   std::size_t workers() const { return runner_.workers(); }
   std::string metrics_text();
+  /// Fills in what this knows nothing of; to be set before anybody asks for metrics.
+  void set_more_gauges(std::function<void(Gauges&)> fill) { more_gauges_ = std::move(fill); }
 
  private:
   template <class Job, class Answer>
@@ -89,6 +91,7 @@ class Jobs {
   const Lifecycle& lifecycle_;
   Metrics& metrics_;
   const SmoothFunction smooth_;
+  std::function<void(Gauges&)> more_gauges_ = [](Gauges&) {};
 };
 
 }  // namespace burnish

@@ -174,14 +174,25 @@ void Metrics::record_self_test(bool passed) {
 
 std::string Metrics::text(const Gauges& gauges) const {
   auto families = registry_.Collect();
+  const auto add_typed = [&](prometheus::MetricType type, const char* name, const char* help, auto value) {
+    families.push_back(single_metric(name, help, type, static_cast<double>(value)));
+  };
   const auto add = [&](const char* name, const char* help, auto value) {
-    families.push_back(single_metric(name, help, prometheus::MetricType::Gauge, static_cast<double>(value)));
+    add_typed(prometheus::MetricType::Gauge, name, help, value);
+  };
+  const auto count = [&](const char* name, const char* help, auto value) {
+    add_typed(prometheus::MetricType::Counter, name, help, value);
   };
   add("burnish_queue_depth", "Jobs that wait.", gauges.queued);
   add("burnish_jobs_running", "Jobs that run.", gauges.running);
   add("burnish_workers", "Jobs that can run at once.", gauges.workers);
   add("burnish_reserved_memory_bytes", "Estimated memory of accepted jobs.", gauges.reserved_bytes);
   add("burnish_spooled_bytes", "Bodies of requests that are in the server.", gauges.spooled_bytes);
+  add("burnish_kept_jobs_queued", "Kept jobs that wait.", gauges.kept_waiting);
+  add("burnish_kept_jobs_running", "Kept jobs that run.", gauges.kept_running);
+  count("burnish_result_cache_hits_total", "Kept jobs whose result was there.", gauges.cache_hits);
+  count("burnish_result_cache_misses_total", "Kept jobs whose result was not there.", gauges.cache_misses);
+  add("burnish_store_bytes", "Meshes, results and uploads on disk.", gauges.store_bytes);
   add("burnish_self_test_passed", "1 when the last self-test passed.", self_test_passed_.load() ? 1 : 0);
   add("burnish_self_test_timestamp_seconds", "Unix time of the last self-test; 0: never.",
       self_test_seconds_.load());

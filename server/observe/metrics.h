@@ -26,9 +26,12 @@ std::string_view kind_name(Kind kind);  ///< "smooth", "compare"
 /// What others know at the moment of asking.
 struct Gauges {
   std::size_t queued = 0, running = 0, workers = 0;
-  std::uint64_t reserved_bytes = 0;  ///< estimated memory of accepted jobs
-  std::uint64_t spooled_bytes = 0;   ///< of request bodies
-  std::string_view lifecycle = {};   ///< as lifecycle_name() says it
+  std::uint64_t reserved_bytes = 0;                ///< estimated memory of accepted jobs
+  std::uint64_t spooled_bytes = 0;                 ///< of request bodies
+  std::string_view lifecycle = {};                 ///< as lifecycle_name() says it
+  std::size_t kept_waiting = 0, kept_running = 0;  ///< jobs that outlive their call
+  std::uint64_t cache_hits = 0, cache_misses = 0;  ///< of their results
+  std::uint64_t store_bytes = 0;                   ///< of meshes, results and uploads on disk
 };
 
 /// Requests, how they ended, how long their stages took and how large they were. Thread-safe; counting takes

@@ -24,7 +24,7 @@ struct JobRecord {
   std::string transport = {};  ///< "grpc" or "http", for the log and the metrics
   std::string trace_id = {};
   std::string idempotency_key = {};  ///< "": none
-  std::string request_hash = {};     ///< SHA-256 of all that was asked for
+  std::string request_hash = {};     ///< SHA-256 of meshes and options
   WallTime expires =
       WallTime::max();  ///< of a job that has ended: from when on it is EXPIRED, then forgotten
 };
@@ -58,6 +58,9 @@ class Records {
   /// Of this owner, newest first, those before `sequence`.
   virtual Result<std::vector<JobRecord>> list(const std::string& owner, std::int64_t before,
                                               std::uint32_t limit) = 0;
+  /// The last that SUCCEEDED of those that asked for the same.
+  virtual Result<std::optional<JobRecord>> find_result(const std::string& owner,
+                                                       const std::string& request_hash) = 0;
   /// QUEUED and RUNNING, oldest first.
   virtual Result<std::vector<JobRecord>> unfinished() = 0;
   /// Ended ones whose time is over, oldest first.

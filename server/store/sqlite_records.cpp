@@ -20,6 +20,7 @@ constexpr const char* kSchema = R"(
     result TEXT NOT NULL, job BLOB NOT NULL) STRICT;
   CREATE INDEX jobs_of_owner ON jobs(owner, sequence);
   CREATE INDEX jobs_by_state ON jobs(state, expires);
+  CREATE INDEX jobs_by_request ON jobs(owner, request_hash, sequence);
   CREATE UNIQUE INDEX jobs_by_key ON jobs(owner, idempotency_key) WHERE idempotency_key != '';
   CREATE TABLE uploads (
     id TEXT PRIMARY KEY, owner TEXT NOT NULL, expires INTEGER NOT NULL, upload BLOB NOT NULL) STRICT;
@@ -114,6 +115,16 @@ class SqliteRecords final : public Records {
     return one(statement(select("WHERE owner = ? AND idempotency_key = ? AND idempotency_key != ''"))
                    .bind(owner)
                    .bind(key));
+  }
+
+  Result<std::optional<JobRecord>> find_result(const std::string& owner,
+                                               const std::string& request_hash) override {
+    const std::lock_guard lock(mutex_);
+    return one(
+        statement(select("WHERE owner = ? AND request_hash = ? AND state = ? ORDER BY sequence DESC LIMIT 1"))
+            .bind(owner)
+            .bind(request_hash)
+            .bind(v1::JOB_STATE_SUCCEEDED));
   }
 
   Result<std::vector<JobRecord>> list(const std::string& owner, std::int64_t before,
@@ -213,8 +224,7 @@ class SqliteRecords final : public Records {
     const std::string job = record.job.SerializeAsString();
     return statement(
                "INSERT INTO jobs(id, owner, state, expires, idempotency_key, request_hash, transport, "
-               "trace_id, "
-               "mesh, reference, result, job) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, '', ?)")
+               "trace_id, mesh, reference, result, job) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
         .bind(record.job.id())
         .bind(record.owner)
         .bind(record.job.state())
@@ -225,6 +235,7 @@ class SqliteRecords final : public Records {
         .bind(record.trace_id)
         .bind(record.job.mesh().sha256())
         .bind(record.job.reference().sha256())
+        .bind(record.job.result().sha256())
         .bind_bytes(job)
         .run();
   }

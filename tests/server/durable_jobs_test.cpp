@@ -95,6 +95,25 @@ TEST(DurableJobs, TakeAMeshAgainByItsHash) {
   EXPECT_EQ(second.mesh().bytes(), kMesh.size());
 }
 
+TEST(DurableJobs, ThatAskForTheSameAgainHaveTheirResultAtOnce) {
+  JobsHouse house;
+  const v1::Job first = run(house, submission());
+  const auto again = house.durable_jobs.submit(kAnyone, submission());
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_TRUE(again->from_cache());
+  EXPECT_NE(again->id(), first.id());
+  EXPECT_EQ(again->report().request_id(), again->id());
+  EXPECT_EQ(again->starts(), 0U);
+  EXPECT_EQ(house.durable_jobs.result(kAnyone, again->id())->file.sha256(), first.result().sha256());
+  Submission other = submission();
+  other.options.set_method("laplacian");
+  EXPECT_FALSE(house.durable_jobs.submit(kAnyone, other)->from_cache());
+  EXPECT_FALSE(house.durable_jobs.submit({.owner = "other"}, submission())->from_cache());
+  EXPECT_EQ(house.durable_jobs.cache_hits(), 1U);
+  EXPECT_EQ(house.durable_jobs.cache_misses(), 3U);
+}
+
 TEST(DurableJobs, BelongToTheirOwner) {
   JobsHouse house;
   const v1::Job job = run(house, submission());
