@@ -1,10 +1,10 @@
 """What /metrics says is what was done, and Prometheus' own tool finds nothing to complain about."""
 
+import json
 import os
 import pathlib
 import re
 import subprocess
-import tempfile
 import time
 import unittest
 
@@ -14,8 +14,10 @@ from burnish.v1 import smoothing_pb2
 from programs import PATIENCE_SECONDS, MeshTest, Server, eventually, smooth_request
 
 PROMTOOL = os.environ["PROMTOOL"]
-OPERATIONS = (pathlib.Path(__file__).resolve().parents[2] / "docs/operations.md").read_text()
-RULES = re.search(r"```yaml\n(.*?)```", OPERATIONS, re.DOTALL)[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+OPERATIONS = (ROOT / "docs/operations.md").read_text()
+RULES = ROOT / "docker/prometheus/alerts.yaml"
+DASHBOARD = json.loads((ROOT / "docker/grafana/burnish.json").read_text())
 
 
 def promtool(*arguments, text=None):
@@ -98,10 +100,7 @@ class Metrics(MeshTest):
         self.assertNotEqual(wrong.returncode, 0, "promtool must be able to complain")
 
     def test_the_alert_rules_are_rules(self):
-        with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
-            file.write(RULES)
-            file.flush()
-            done = promtool("check", "rules", "--lint=all", "--lint-fatal", file.name)
+        done = promtool("check", "rules", "--lint=all", "--lint-fatal", RULES)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertRegex(done.stdout, r"\b[1-9]\d* rules found")
 
@@ -110,8 +109,13 @@ class Metrics(MeshTest):
             served = families(server.curl("/metrics").body.decode())
         documented = dict(re.findall(r"^\| `(\w+)` \| (counter|gauge|histogram) \|", OPERATIONS, re.MULTILINE))
         self.assertEqual(documented, served)
-        for name in re.findall(r"\b(?:burnish|process)_\w+", RULES):
-            self.assertIn(re.sub("_bucket$", "", name), served)
+        asked = [target["expr"] for panel in DASHBOARD["panels"] for target in panel["targets"]]
+        for name in re.findall(r"\b(?:burnish|process)_\w+", RULES.read_text() + " ".join(asked)):
+            self.assertIn(re.sub("_(bucket|sum|count)$", "", name), served)
+
+    def test_documents_explain_every_alert_and_no_other(self):
+        documented = re.findall(r"^\| `(Burnish\w+)` \|", OPERATIONS, re.MULTILINE)
+        self.assertEqual(documented, re.findall(r"alert: (\w+)", RULES.read_text()))
 
 
 if __name__ == "__main__":
