@@ -56,7 +56,7 @@ Server::Server(const Config& config, Store store, SmoothFunction smooth)
       durable_jobs_(*store_.records, *store_.files, jobs_,
                     {.max_jobs = config.max_jobs, .keep = config.keep}),
       uploads_(*store_.records, *store_.files, service_, {.keep = config.keep}),
-      gateway_(jobs_, {.cors_origins = config.cors_origins}) {
+      gateway_(jobs_, durable_jobs_, uploads_, {.cors_origins = config.cors_origins}) {
   jobs_.set_more_gauges([this](Gauges& gauges) {
     gauges.kept_waiting = durable_jobs_.waiting();
     gauges.kept_running = durable_jobs_.running();

@@ -35,6 +35,10 @@ HttpRequest to_request(const httplib::Request& from) {
 
 constexpr const char* kNotUnderstood = "the server cannot understand this HTTP request";
 
+std::string_view body_of(const HttpResponse& response) {
+  return response.file.owner ? response.file.bytes : std::string_view(response.body);
+}
+
 /// One request and its answer.
 struct Exchange {
   std::optional<RequestHead> head;  ///< nothing: the library could not read it
@@ -42,7 +46,7 @@ struct Exchange {
   bool body_done = false;
   bool answered = false;   ///< by us, not by the library
   bool abandoned = false;  ///< the client left before its answer was ready
-  std::string answer;      ///< its body
+  HttpResponse answer;     ///< its body: the rest has gone to the library
 };
 
 /// The library's server is made for many sockets; here it is the parser of one connection.
@@ -66,6 +70,7 @@ class Conversation final : public httplib::Server {
   Result<> read_body(const httplib::ContentReader& read, HttpRequest& request);
   Error why_unread() const;
   HttpResponse answer_body(const httplib::ContentReader& read);
+  HttpResponse answer_upload(const httplib::ContentReader& read, BodyTaker& taker);
   HttpResponse answer_exception(const std::exception_ptr& thrown);
   bool client_gone();
   void respond(HttpResponse from, httplib::Response& to);
@@ -109,8 +114,10 @@ void Conversation::set_up() {
     respond(*std::move(answer), response);
     return HandlerResponse::Handled;
   });
-  Post(".*", [this](const httplib::Request&, httplib::Response& response,
-                    const httplib::ContentReader& read) { respond(answer_body(read), response); });
+  const auto with_body = [this](const httplib::Request&, httplib::Response& response,
+                                const httplib::ContentReader& read) { respond(answer_body(read), response); };
+  Post(".*", with_body);
+  Patch(".*", with_body);
   set_exception_handler(
       [this](const httplib::Request&, httplib::Response& response, const std::exception_ptr& thrown) {
         respond(answer_exception(thrown), response);
@@ -152,7 +159,10 @@ void Conversation::answer_next() {
 }
 
 void Conversation::take_head(httplib::Request& from) {
-  exchange_.head = understand(to_request(from), from.version == "HTTP/1.0");
+  HttpRequest request = to_request(from);
+  if (const auto range = split_value(reader_.range(), '\r').front(); !range.empty())
+    request.headers["Range"] = range;
+  exchange_.head = understand(std::move(request), from.version == "HTTP/1.0");
   // The library acts on these, but not on compressed forms, cut streams or forms without end as we must.
   for (const char* name : {"Content-Encoding", "Content-Type", "Upgrade"}) from.headers.erase(name);
   reader_.begin_body();
@@ -161,11 +171,13 @@ void Conversation::take_head(httplib::Request& from) {
 std::optional<HttpResponse> Conversation::answer_head() {
   const RequestHead& head = *exchange_.head;
   if (head.flaw) return context_.gateway.refuse(head.request, *head.flaw);
-  return context_.gateway.answer_head(head.request);
+  return context_.gateway.answer_head(head.request, [this] { return client_gone(); });
 }
 
 HttpResponse Conversation::answer_body(const httplib::ContentReader& read) {
   HttpRequest& request = exchange_.head->request;
+  if (auto taking = context_.gateway.take_body(request))
+    return taking->taker ? answer_upload(read, *taking->taker) : std::move(taking->refusal);
   if (auto complete = read_body(read, request); !complete) {
     return context_.gateway.refuse(request, complete.error());
   }
@@ -173,6 +185,25 @@ HttpResponse Conversation::answer_body(const httplib::ContentReader& read) {
   request.body = {};  // a slow reader of the answer must not hold the spool
   request.parts.clear();
   return response;
+}
+
+/// What came is kept, also when not all of it did.
+HttpResponse Conversation::answer_upload(const httplib::ContentReader& read, BodyTaker& taker) {
+  const HttpRequest& request = exchange_.head->request;
+  auto decoder = BodyDecoder::for_encoding(request.header("Content-Encoding"));
+  if (!decoder) return context_.gateway.refuse(request, decoder.error());
+  const ByteSink sink = [&taker](std::string_view bytes) { return taker.take(bytes); };
+  Result<> state;
+  exchange_.body_done = read([&](const char* bytes, std::size_t size) {
+    state = (*decoder)->feed({bytes, size}, sink);
+    return state.ok();
+  });
+  if (state) {
+    auto rest = (*decoder)->finish(sink);
+    state = exchange_.body_done ? std::move(rest) : Result<>(why_unread());
+  }
+  auto answer = state ? taker.finish() : Result<HttpResponse>(state.error());
+  return answer ? std::move(answer).value() : context_.gateway.refuse(request, answer.error());
 }
 
 /// An interim answer means nothing to a client of HTTP/1.1; one of HTTP/1.0 must not get any.
@@ -228,8 +259,8 @@ void Conversation::respond(HttpResponse from, httplib::Response& to) {
   to.headers.clear();
   for (const auto& [name, value] : from.headers) to.set_header(name, value);
   // Not given to the library, which would copy it behind the head.
-  to.set_header("Content-Length", std::to_string(from.body.size()));
-  exchange_.answer = std::move(from.body);
+  to.set_header("Content-Length", std::to_string(body_of(from).size()));
+  exchange_.answer = std::move(from);
 }
 
 /// Bytes of the body that were announced and not read; nothing when nobody knows how many they are.
@@ -244,12 +275,19 @@ std::optional<std::uint64_t> Conversation::unread_bytes() const {
 /// The last word on the head of the answer, and on what becomes of the connection.
 void Conversation::settle(const httplib::Request& request, httplib::Response& response) {
   reader_.end_body();  // or the library would read on, as long as the client likes
-  if (request.method == "HEAD") std::string().swap(exchange_.answer);
+  if (request.method == "HEAD") {
+    std::string().swap(exchange_.answer.body);
+    exchange_.answer.file = {};
+  }
   const auto unread = unread_bytes();
   closing_ = !unread || *unread > kSkippedBytes || exchange_.head->wants_close || left_ == 1 ||
-             connection_.stopping() || reader_.ended() != Connection::Event::Bytes;
-  for (const char* name : {"Connection", "Keep-Alive", "Accept-Ranges"}) response.headers.erase(name);
-  if (response.status == httplib::StatusCode::NoContent_204) response.headers.erase("Content-Length");
+             connection_.stopping() || reader_.ended() != Connection::Event::Bytes || exchange_.answer.stream;
+  for (const char* name : {"Connection", "Keep-Alive"}) response.headers.erase(name);
+  if (!exchange_.answer.headers.contains("Accept-Ranges")) response.headers.erase("Accept-Ranges");
+  if (exchange_.answer.stream) response.headers.erase("Content-Length");  // it ends with the connection
+  using Code = httplib::StatusCode;
+  if (response.status == Code::NoContent_204 || response.status == Code::NotModified_304)
+    response.headers.erase("Content-Length");
   if (closing_) {
     response.set_header("Connection", "close");
   } else if (exchange_.head->http_1_0) {
@@ -260,9 +298,13 @@ void Conversation::settle(const httplib::Request& request, httplib::Response& re
 void Conversation::deliver() {
   const std::string head = stream_.take_written();
   if (head.empty()) return reject(400, {Cause::BadRequest, kNotUnderstood});
-  if (exchange_.abandoned || !connection_.send(head, exchange_.answer)) {
+  if (exchange_.abandoned || !connection_.send(head, body_of(exchange_.answer))) {
     closing_ = true;
     return;
+  }
+  if (exchange_.answer.stream) {
+    exchange_.answer.stream([this](std::string_view piece) { return connection_.send(piece, {}); },
+                            [this] { return connection_.gone("") || connection_.stopping(); });
   }
   const auto unread = unread_bytes();
   if (!closing_ && !reader_.skip(unread.value_or(0))) closing_ = true;

@@ -6,8 +6,12 @@ namespace burnish {
 namespace {
 
 constexpr const char* kRequestHeaders =
-    "Content-Type, Accept, Content-Encoding, traceparent, Burnish-Request-Id";
-constexpr const char* kAnswerHeaders = "Burnish-Report, Burnish-Request-Id, Retry-After, Allow";
+    "Content-Type, Accept, Content-Encoding, traceparent, Burnish-Request-Id, Idempotency-Key, Prefer, "
+    "Range, "
+    "If-Range, If-None-Match, Upload-Offset, Upload-Length, Upload-Complete, Repr-Digest";
+constexpr const char* kAnswerHeaders =
+    "Burnish-Report, Burnish-Request-Id, Retry-After, Allow, Location, ETag, Content-Range, Accept-Ranges, "
+    "Preference-Applied, Upload-Offset, Upload-Length, Upload-Complete";
 constexpr const char* kPreflightSeconds = "7200";  // no browser keeps one for longer
 
 }  // namespace

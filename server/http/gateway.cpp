@@ -110,25 +110,53 @@ struct Gateway::Exchange {
   }
 
   bool is_work() const { return route && route->takes_meshes() && request.method == "POST"; }
+  bool is_upload() const {
+    return route && route->takes_uploads() && (request.method == "POST" || request.method == "PATCH") &&
+           route->allows(request.method);
+  }
+  std::string id() const { return std::string(id_in(request.path, *route)); }
 
   const HttpRequest& request;
   const Route* const route;  ///< null: no such path
   Caller caller;
 };
 
-Gateway::Gateway(Jobs& jobs, GatewayOptions options)
-    : jobs_(jobs), cors_(std::move(options.cors_origins)), openapi_(openapi_document(jobs.limits())) {}
+/// Answers as the gateway does when the body has come.
+class Gateway::Taker final : public BodyTaker {
+ public:
+  Taker(const Gateway& gateway, const Exchange& exchange, std::unique_ptr<BodyTaker> taker)
+      : gateway_(gateway), exchange_(exchange), taker_(std::move(taker)) {}
 
-std::optional<HttpResponse> Gateway::answer_head(const HttpRequest& request) {
+  Result<> take(std::string_view bytes) override { return taker_->take(bytes); }
+  Result<HttpResponse> finish() override {
+    auto answer = taker_->finish();
+    return answer ? Result(gateway_.finish(exchange_, std::move(answer).value())) : std::move(answer);
+  }
+
+ private:
+  const Gateway& gateway_;
+  const Exchange exchange_;
+  const std::unique_ptr<BodyTaker> taker_;
+};
+
+Gateway::Gateway(Jobs& jobs, DurableJobs& durable_jobs, Uploads& uploads, GatewayOptions options)
+    : jobs_(jobs),
+      jobs_api_(jobs, durable_jobs),
+      uploads_api_(uploads),
+      cors_(std::move(options.cors_origins)),
+      openapi_(openapi_document(jobs.limits())) {}
+
+std::optional<HttpResponse> Gateway::answer_head(const HttpRequest& request,
+                                                 const std::function<bool()>& client_gone) {
   Exchange exchange(request);
-  auto response = answer_head(exchange);
+  auto response = answer_head(exchange, client_gone);
   if (!response) return {};
   return finish(exchange, *std::move(response));
 }
 
 HttpResponse Gateway::handle(const HttpRequest& request, const std::function<bool()>& client_gone) {
   Exchange exchange(request);
-  auto response = answer_head(exchange);
+  auto response = answer_head(exchange, client_gone);
   if (!response) response = work(exchange, client_gone);
   return finish(exchange, *std::move(response));
 }
@@ -146,17 +174,61 @@ HttpResponse Gateway::bad_request(int status, const Error& error) {
   return response;
 }
 
-std::optional<HttpResponse> Gateway::answer_head(Exchange& exchange) {
+std::optional<BodyTaking> Gateway::take_body(const HttpRequest& request) {
+  Exchange exchange(request);
+  if (!exchange.is_upload()) return {};
+  auto taker = exchange.route->endpoint == Endpoint::Uploads
+                   ? uploads_api_.create(request, exchange.caller)
+                   : uploads_api_.append(request, exchange.caller, exchange.id());
+  BodyTaking taking;
+  if (taker) {
+    taking.taker = std::make_unique<Taker>(*this, exchange, std::move(taker).value());
+    return taking;
+  }
+  taking.refusal = refuse(exchange, taker.error());
+  if (taker.error().cause == Cause::UploadOffsetMismatch)
+    taking.refusal.headers["Upload-Offset"] = uploads_api_.offset_of(exchange.caller, exchange.id());
+  taking.refusal = finish(exchange, std::move(taking.refusal));
+  return taking;
+}
+
+std::optional<HttpResponse> Gateway::answer_head(Exchange& exchange,
+                                                 const std::function<bool()>& client_gone) {
   const auto& [request, route, caller] = exchange;
   if (!route) return refuse(exchange, {Cause::NotFound, "there is nothing at " + request.path});
-  const std::string allow(route->verbs());
+  const std::string allow(route->verbs);
   if (request.method == "OPTIONS") return HttpResponse{.status = 204, .headers = {{"Allow", allow}}};
   if (exchange.is_work()) return refuse_early(exchange);
-  const bool reads = request.method == "GET" || request.method == "HEAD";
-  if (reads && !route->takes_meshes()) return answer_read(exchange);
+  if (exchange.is_upload()) return {};
+  if (route->allows(request.method)) {
+    if (!route->is_kept()) return answer_read(exchange);
+    auto answer = answer_kept(exchange, client_gone);
+    return answer ? std::move(answer).value() : refuse(exchange, answer.error());
+  }
   HttpResponse response = refuse(exchange, {Cause::MethodNotAllowed, request.path + " answers " + allow});
   response.headers["Allow"] = allow;
   return response;
+}
+
+Result<HttpResponse> Gateway::answer_kept(const Exchange& exchange,
+                                          const std::function<bool()>& client_gone) {
+  const auto& [request, route, caller] = exchange;
+  const std::string id = exchange.id();
+  switch (route->endpoint) {
+    case Endpoint::Jobs:
+      return jobs_api_.list(request, caller);
+    case Endpoint::JobEvents:
+      return jobs_api_.events(caller, id);
+    case Endpoint::JobMesh:
+      return jobs_api_.mesh(request, caller, id);
+    case Endpoint::JobReport:
+      return jobs_api_.report(caller, id);
+    case Endpoint::Upload:
+      return request.method == "DELETE" ? uploads_api_.remove(caller, id) : uploads_api_.get(caller, id);
+    default:
+      return request.method == "DELETE" ? jobs_api_.remove(caller, id)
+                                        : jobs_api_.get(request, caller, id, client_gone);
+  }
 }
 
 HttpResponse Gateway::answer_read(const Exchange& exchange) const {
@@ -182,6 +254,10 @@ HttpResponse Gateway::not_ready(const Exchange& exchange) const {
 }
 
 std::optional<HttpResponse> Gateway::refuse_early(Exchange& exchange) {
+  if (exchange.route->endpoint == Endpoint::Jobs) {
+    if (auto fine = jobs_api_.expect(exchange.request); !fine) return refuse(exchange, fine.error());
+    return {};
+  }
   const auto expected = exchange.route->endpoint == Endpoint::Smooth
                             ? expect_smooth(exchange.request, jobs_.service())
                             : expect_compare(exchange.request, jobs_.limits());
@@ -193,8 +269,10 @@ std::optional<HttpResponse> Gateway::refuse_early(Exchange& exchange) {
 }
 
 HttpResponse Gateway::work(Exchange& exchange, const std::function<bool()>& client_gone) {
-  return exchange.route->endpoint == Endpoint::Smooth ? smooth(exchange, client_gone)
-                                                      : compare(exchange, client_gone);
+  if (exchange.route->endpoint == Endpoint::Smooth) return smooth(exchange, client_gone);
+  if (exchange.route->endpoint == Endpoint::Compare) return compare(exchange, client_gone);
+  auto submitted = jobs_api_.submit(exchange.request, exchange.caller);
+  return submitted ? std::move(submitted).value() : refuse(exchange, submitted.error());
 }
 
 HttpResponse Gateway::smooth(Exchange& exchange, const std::function<bool()>& client_gone) {

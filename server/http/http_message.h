@@ -1,11 +1,14 @@
 // Requests and responses as the gateway sees them: no socket, no HTTP library.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "core/run/error.h"
 
 namespace burnish {
 
@@ -47,6 +50,20 @@ struct HttpResponse {
   int status = 200;
   HttpHeaders headers = {};  ///< with Content-Type
   std::string body = {};
+  SharedBytes file = {};  ///< instead of `body`: sent as it lies, neither copied nor compressed
+  /// Instead of both: sends pieces of a body whose length nobody knows, and returns at its end. `send` is
+  /// false when the client does not take them; `gone` when it left, or the server ends.
+  std::function<void(const std::function<bool(std::string_view)>& send, const std::function<bool()>& gone)>
+      stream = {};
+};
+
+/// Takes the bytes of a body as they come, instead of the spool.
+class BodyTaker {
+ public:
+  virtual ~BodyTaker() = default;
+  virtual Result<> take(std::string_view bytes) = 0;
+  /// All of the body has come.
+  virtual Result<HttpResponse> finish() = 0;
 };
 
 }  // namespace burnish

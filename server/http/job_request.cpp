@@ -14,6 +14,9 @@ namespace burnish {
 namespace {
 
 constexpr std::uint64_t kFormFraming = 64 << 10;  // boundaries and part headers
+constexpr std::size_t kLongestText = 1000;        // of a part that is a word
+constexpr std::string_view kMeshSha256 = "mesh_sha256", kReferenceSha256 = "reference_sha256",
+                           kPriority = "priority";
 
 /// The parts of a form by their names.
 class Form {
@@ -31,6 +34,12 @@ class Form {
       }
     }
     return form;
+  }
+
+  /// A part of text; empty when it is missing.
+  std::string text(std::string_view name) const {
+    const FormPart* const part = find(name);
+    return part ? std::string(part->content.bytes.substr(0, kLongestText)) : "";
   }
 
   const FormPart* find(std::string_view name) const {
@@ -56,6 +65,16 @@ class Form {
   std::map<std::string_view, const FormPart*> parts_;
 };
 
+/// From the part of a form, or from the query when there is none.
+Result<v1::SmoothOptions> read_options(const HttpRequest& request, const FormPart* part,
+                                       const SmoothService& service) {
+  if (!part) return parse_query_options(request.query);
+  const auto alone =
+      check_only_timeout(request.query, Cause::BadOption, "belongs into the part 'options' of this request");
+  if (!alone) return alone.error();
+  return parse_options_json(part->content.bytes, service);
+}
+
 Result<JobRequest<SmoothJob>> read_smooth_form(const HttpRequest& request, const SmoothService& service) {
   const auto form = Form::read(request.parts, {"mesh", "reference", "options"});
   if (!form) return form.error();
@@ -66,13 +85,7 @@ Result<JobRequest<SmoothJob>> read_smooth_form(const HttpRequest& request, const
     const auto reference = form->read_mesh("reference", job.reference, job.reference_format);
     if (!reference) return reference.error();
   }
-  const FormPart* const part = form->find("options");
-  if (part) {
-    const auto alone = check_only_timeout(request.query, Cause::BadOption,
-                                          "belongs into the part 'options' of this request");
-    if (!alone) return alone.error();
-  }
-  auto options = part ? parse_options_json(part->content.bytes, service) : parse_query_options(request.query);
+  auto options = read_options(request, form->find("options"), service);
   if (!options) return options.error();
   job.options = *std::move(options);
   return read;
@@ -136,6 +149,104 @@ Result<JobRequest<SmoothJob>> read_smooth(const HttpRequest& request, const Smoo
   if (!timeout) return timeout.error();
   if (read) read->timeout = *timeout;
   return read;
+}
+
+namespace {
+
+/// The words of a submission that are no options.
+struct SubmissionWords {
+  std::string mesh_sha256, reference_sha256, priority;
+};
+
+/// Takes them out of the query.
+SubmissionWords take_words(Query& query) {
+  SubmissionWords words;
+  const auto take = [&query](std::string_view name, std::string& into) {
+    const auto found = query.find(std::string(name));
+    if (found == query.end()) return;
+    into = found->second;
+    query.erase(found);  // a second one stays, and is refused as what it then is: unknown
+  };
+  take(kMeshSha256, words.mesh_sha256);
+  take(kReferenceSha256, words.reference_sha256);
+  take(kPriority, words.priority);
+  return words;
+}
+
+Result<v1::JobPriority> priority_of(const std::string& text) {
+  if (text.empty() || text == "normal") return v1::JOB_PRIORITY_NORMAL;
+  if (text == "low") return v1::JOB_PRIORITY_LOW;
+  return Error{Cause::BadOption, "priority is '" + text + "', expected normal or low",
+               std::string(kPriority)};
+}
+
+/// A mesh that comes as a part of its own, or is named by one.
+Result<SubmittedMesh> read_submitted(const Form& form, const std::string& name, std::string sha256) {
+  SubmittedMesh mesh{.sha256 = std::move(sha256)};
+  if (mesh.sha256.empty()) mesh.sha256 = form.text(name + "_sha256");
+  if (!form.find(name)) return mesh;
+  if (!mesh.sha256.empty()) {
+    return Error{Cause::BadOption, "part '" + name + "' comes with bytes and by its SHA-256", name};
+  }
+  if (auto read = form.read_mesh(name, mesh.bytes, mesh.format); !read) return std::move(read).error();
+  return mesh;
+}
+
+}  // namespace
+
+Result<Submission> read_submission(const HttpRequest& request, const SmoothService& service) {
+  HttpRequest rest{.method = request.method, .path = request.path, .query = request.query};
+  SubmissionWords words = take_words(rest.query);
+  Submission submission;
+  submission.idempotency_key = request.header("Idempotency-Key");
+  const bool is_form_body = is_form(request.header("Content-Type"));
+  std::optional<Form> form;
+  if (is_form_body) {
+    auto read =
+        Form::read(request.parts, {"mesh", "reference", "options", kMeshSha256, kReferenceSha256, kPriority});
+    if (!read) return std::move(read).error();
+    form = std::move(read).value();
+    if (words.priority.empty()) words.priority = form->text(kPriority);
+    auto mesh = read_submitted(*form, "mesh", words.mesh_sha256);
+    if (!mesh) return std::move(mesh).error();
+    auto reference = read_submitted(*form, "reference", words.reference_sha256);
+    if (!reference) return std::move(reference).error();
+    submission.mesh = std::move(mesh).value();
+    submission.reference = std::move(reference).value();
+  } else {
+    submission.reference.sha256 = words.reference_sha256;
+    submission.mesh.sha256 = words.mesh_sha256;
+    submission.mesh.bytes = request.body.bytes;
+    if (!submission.mesh.bytes.empty()) {
+      if (!submission.mesh.sha256.empty())
+        return Error{Cause::BadOption, "the mesh comes as the body and by its SHA-256",
+                     std::string(kMeshSha256)};
+      const auto format = mesh_format(request.header("Content-Type"));
+      if (!format) return format.error();
+      submission.mesh.format = *format;
+    }
+  }
+  const auto priority = priority_of(words.priority);
+  if (!priority) return priority.error();
+  submission.priority = *priority;
+  auto options = read_options(rest, form ? form->find("options") : nullptr, service);
+  if (!options) return std::move(options).error();
+  submission.options = std::move(options).value();
+  return submission;
+}
+
+Result<> expect_submission(const HttpRequest& head, const SmoothService& service) {
+  const auto decoder = BodyDecoder::for_encoding(head.header("Content-Encoding"));
+  if (!decoder) return decoder.error();
+  const auto bytes = expect_bytes(head, service.limits());
+  if (!bytes) return bytes.error();
+  if (auto fits = service.check_size(bytes->mesh_bytes, "the mesh"); !fits) return fits;
+  if (is_form(head.header("Content-Type"))) return {};  // its options are in its body
+  Query query = head.query;
+  if (auto fine = priority_of(take_words(query).priority); !fine) return fine.error();
+  const auto options = parse_query_options(query);
+  if (!options) return options.error();
+  return service.check(*options);
 }
 
 Result<ExpectedJob> expect_smooth(const HttpRequest& head, const SmoothService& service) {

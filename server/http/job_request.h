@@ -5,6 +5,7 @@
 
 #include "server/http/http_message.h"
 #include "server/http/smooth_query.h"
+#include "server/jobs/durable_jobs.h"
 #include "server/service/smooth_service.h"
 
 namespace burnish {
@@ -32,5 +33,10 @@ Result<ExpectedJob> expect_smooth(const HttpRequest& head, const SmoothService& 
 /// A form with the parts reference and mesh. Errors: as read_smooth().
 Result<JobRequest<CompareJob>> read_compare(const HttpRequest& request);
 Result<ExpectedJob> expect_compare(const HttpRequest& head, const RequestLimits& limits);
+
+/// A job to keep: as read_smooth(), or with meshes that are named by their SHA-256, and a priority. The same
+/// errors.
+Result<Submission> read_submission(const HttpRequest& request, const SmoothService& service);
+Result<> expect_submission(const HttpRequest& head, const SmoothService& service);
 
 }  // namespace burnish

@@ -1,10 +1,14 @@
 #include "server/http/openapi.h"
 
+#include <algorithm>
+#include <cctype>
+
 #include <nlohmann/json.hpp>
 
 #include "core/smooth/registry.h"
 #include "server/http/media_type.h"
 #include "server/http/openapi_components.h"
+#include "server/http/openapi_kept.h"
 #include "server/http/openapi_schemas.h"
 #include "server/http/routes.h"
 #include "server/http/smooth_query.h"
@@ -198,6 +202,30 @@ Json options_operation(const std::string& name) {
             {"4XX", other_problem_reference()}}}};
 }
 
+/// A job is submitted with what POST /v1/smooth takes, and a form needs no mesh then.
+Json kept_item(const Route& route, const RequestLimits& limits) {
+  Json item = Json::object();
+  for (const std::string verb : {"get", "head", "post", "patch", "delete"}) {
+    std::string upper = verb;
+    std::ranges::transform(upper, upper.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    if (!route.allows(upper)) continue;
+    Json submission = verb == "post" ? smooth_operation(limits) : Json::object();
+    if (verb == "post") {
+      submission["requestBody"]["required"] = false;
+      Json& schema = submission["requestBody"]["content"]["multipart/form-data"]["schema"];
+      schema.erase("required");
+      for (const char* word : {"mesh_sha256", "reference_sha256", "priority"})
+        schema["properties"][word] = {{"type", "string"}};
+    }
+    item[verb] = kept_operation(route, verb, std::move(submission));
+  }
+  item["options"] = options_operation(kept_name(route.endpoint));
+  if (route.path.find("{id}") != std::string_view::npos)
+    item["options"]["parameters"] = {openapi_reference("parameters", "id")};
+  return item;
+}
+
 Json path_item(const Route& route, const RequestLimits& limits) {
   switch (route.endpoint) {
     case Endpoint::Smooth:
@@ -205,6 +233,7 @@ Json path_item(const Route& route, const RequestLimits& limits) {
     case Endpoint::Compare:
       return {{"post", compare_operation()}, {"options", options_operation("Compare")}};
     default:
+      if (route.is_kept()) return kept_item(route, limits);
       return {{"get", read_operation(route, "get")},
               {"head", read_operation(route, "head")},
               {"options", options_operation(reading_of(route.endpoint).name)}};

@@ -44,7 +44,7 @@ Json problem_responses() {
 }
 
 Json headers() {
-  const Json text = {{"type", "string"}};
+  const Json text = {{"type", "string"}}, count = {{"type", "integer"}, {"minimum", 0}};
   return {{"Burnish-Request-Id",
            {{"description", "Identifies the request in the server's log: the caller's own, or a new one."},
             {"schema", {{"type", "string"}, {"pattern", "^[A-Za-z0-9._-]{1,64}$"}}}}},
@@ -55,7 +55,18 @@ Json headers() {
           {"Retry-After",
            {{"description", "Seconds after which to try again."},
             {"schema", {{"type", "integer"}, {"minimum", 1}}}}},
-          {"Allow", {{"description", "The verbs of this path."}, {"schema", text}}}};
+          {"Allow", {{"description", "The verbs of this path."}, {"schema", text}}},
+          {"Location", {{"description", "Where what was made, or what is wanted, is."}, {"schema", text}}},
+          {"Preference-Applied", {{"description", "wait=N, when it was asked for."}, {"schema", text}}},
+          {"ETag", {{"description", "The SHA-256 of the bytes, in quotes."}, {"schema", text}}},
+          {"Accept-Ranges", {{"description", "bytes."}, {"schema", text}}},
+          {"Content-Range", {{"description", "Which bytes of how many."}, {"schema", text}}},
+          {"Upload-Offset", {{"description", "Bytes that there are."}, {"schema", count}}},
+          {"Upload-Length",
+           {{"description", "Bytes that there will be; left out: not known."}, {"schema", count}}},
+          {"Upload-Complete",
+           {{"description", "Whether all bytes are there."},
+            {"schema", {{"type", "string"}, {"enum", {"?0", "?1"}}}}}}};
 }
 
 Json header_parameter(const std::string& name, const std::string& text, const std::string& pattern) {
@@ -65,7 +76,34 @@ Json header_parameter(const std::string& name, const std::string& text, const st
           {"schema", {{"type", "string"}, {"pattern", pattern}}}};
 }
 
-Json parameters() {
+Json kept_parameters() {
+  const Json digest = {{"type", "string"}, {"pattern", "^[0-9A-Fa-f]{64}$"}};
+  Json id = header_parameter("id", "Of the job or the upload, as the server gave it.", "^[0-9a-f]+$");
+  id["in"] = "path";
+  id["required"] = true;
+  return {
+      {"id", std::move(id)},
+      {"mesh_sha256", query_parameter("mesh_sha256", digest, "A mesh that the caller has uploaded or used.")},
+      {"reference_sha256", query_parameter("reference_sha256", digest, "Likewise, to measure against.")},
+      {"priority", query_parameter("priority", {{"type", "string"}, {"enum", {"normal", "low"}}},
+                                   "Low: after all normal ones.")},
+      {"page_size", query_parameter("page_size", {{"type", "integer"}, {"minimum", 1}, {"maximum", 1000}},
+                                    "At most so many; default: 100.")},
+      {"page_token",
+       query_parameter("page_token", {{"type", "string"}}, "nextPageToken of the page before.")},
+      {"IdempotencyKey",
+       header_parameter("Idempotency-Key", "The same key and request again give the same job.",
+                        "^[!-~]{1,128}$")},
+      {"Prefer", header_parameter("Prefer", "wait=N: seconds to wait for the end, at most 60.", "^.*$")},
+      {"Range", header_parameter("Range", "One range of bytes.", "^bytes=[0-9]*-[0-9]*$")},
+      {"UploadLength", header_parameter("Upload-Length", "Bytes that there will be.", "^[0-9]+$")},
+      {"UploadOffset", header_parameter("Upload-Offset", "Bytes that there are.", "^[0-9]+$")},
+      {"UploadComplete",
+       header_parameter("Upload-Complete", "?1: nothing follows these bytes.", "^[?][01]$")},
+      {"ReprDigest", header_parameter("Repr-Digest", "sha-256=:BASE64: of all bytes.", "^.*$")}};
+}
+
+Json common_parameters() {
   return {
       {"timeout_ms",
        query_parameter("timeout_ms", {{"type", "integer"}, {"minimum", 1}, {"maximum", kLongestTimeoutMs}},
@@ -74,6 +112,12 @@ Json parameters() {
        header_parameter("Burnish-Request-Id", "An id to use for this request.", "^[A-Za-z0-9._-]{1,64}$")},
       {"traceparent", header_parameter("traceparent", "W3C Trace Context; the log names its trace.",
                                        "^[0-9a-f]{2}-[0-9a-f]{32}-[0-9a-f]{16}-[0-9a-f]{2}")}};
+}
+
+Json parameters() {
+  Json all = kept_parameters();
+  all.update(common_parameters());
+  return all;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>
 
+#include "burnish/v1/jobs.pb.h"
 #include "burnish/v1/smoothing.pb.h"
 #include "core/smooth/registry.h"
 #include "server/http/options_json.h"
@@ -39,12 +40,16 @@ Json single_schema(const FieldDescriptor& field, Direction direction) {
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_UINT32:
       return {{"type", "integer"}, {"minimum", 0}, {"maximum", kMostUint32}};
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return {{"type", "boolean"}};
     case FieldDescriptor::CPPTYPE_DOUBLE:
       return {{"type", "number"}};
     case FieldDescriptor::CPPTYPE_ENUM:
       return enum_schema(*field.enum_type(), direction);
     case FieldDescriptor::CPPTYPE_MESSAGE:
       if (field.message_type() == google::protobuf::Value::descriptor()) return parameter_value();
+      if (field.message_type() == google::protobuf::Timestamp::descriptor())
+        return {{"type", "string"}, {"format", "date-time"}};
       return schema_reference(field.message_type()->name());
     default:
       if (field.type() == FieldDescriptor::TYPE_BYTES) {
@@ -140,6 +145,9 @@ Json openapi_schemas(const RequestLimits& limits) {
   add_messages(*v1::CompareResponse::descriptor(), Direction::Answer, schemas);
   add_messages(*v1::ListMethodsResponse::descriptor(), Direction::Answer, schemas);
   add_messages(*v1::SmoothOptions::descriptor(), Direction::Request, schemas);
+  add_messages(*v1::SmoothProgress::descriptor(), Direction::Answer, schemas);
+  add_messages(*v1::ListJobsResponse::descriptor(), Direction::Answer, schemas);
+  add_messages(*v1::Upload::descriptor(), Direction::Answer, schemas);
   describe_options(schemas, limits);
   schemas["Problem"] = problem_schema();
   return schemas;

@@ -34,7 +34,8 @@ HttpResponse problem(const Error& error, std::string_view request_id, std::optio
   if (!error.field.empty()) json["field"] = error.field;
   // Foreign names may hold bytes that are not UTF-8; dump() would throw.
   response.body = json.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
-  if (may_help_to_retry(error.cause)) response.headers["Retry-After"] = whole_seconds(error.retry_after);
+  if (may_help_to_retry(error.cause) || error.retry_after.count() > 0)
+    response.headers["Retry-After"] = whole_seconds(error.retry_after);
   return response;
 }
 

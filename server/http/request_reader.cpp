@@ -21,13 +21,18 @@ bool is_range(std::string_view line) {
 }
 
 /// The library answers 416 to every Range that it cannot parse or meet, even to a POST: it never gets one.
-std::string without_range(std::string_view head) {
+std::string without_range(std::string_view head, std::string& range) {
   std::string kept;
+  range.clear();
   kept.reserve(head.size());
   while (!head.empty()) {
     const std::size_t end = head.find(kLineEnd);
     const std::string_view line = head.substr(0, end == std::string_view::npos ? end : end + kLineEnd.size());
-    if (!is_range(line)) kept.append(line);
+    if (is_range(line)) {
+      range = line.substr(line.find(':') + 1);
+    } else {
+      kept.append(line);
+    }
     head.remove_prefix(line.size());
   }
   return kept;
@@ -73,7 +78,7 @@ RequestReader::Head RequestReader::take_head(std::size_t size, Head as) {
   const std::string_view head = buffered().substr(0, size);
   begin_ += size;
   if (std::min(head.find(kLineEnd), head.size()) > kMaxLineBytes) return Head::LongLine;
-  head_ = without_range(head);
+  head_ = without_range(head, range_);
   return as;
 }
 

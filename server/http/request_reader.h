@@ -33,6 +33,9 @@ class RequestReader {
   /// Bytes of the head; after begin_body() of the body; -1 when none come in time, 0 at the end of the head.
   ssize_t read(char* into, std::size_t size);
 
+  /// The value of the head's Range, which the library never sees; empty: none.
+  const std::string& range() const { return range_; }
+
   void begin_body();  ///< its time starts now
   void end_body();    ///< read() gives no more of it, whatever comes; skip() does
   bool in_body() const { return body_ == Body::Open; }
@@ -52,7 +55,7 @@ class RequestReader {
   const HttpPatience& patience_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  ///< of what is in the buffer
-  std::string head_;
+  std::string head_, range_;
   std::size_t head_read_ = 0;
   enum class Body : std::uint8_t { NotYet, Open, Closed } body_ = Body::NotYet;
   std::uint64_t body_bytes_ = 0;

@@ -8,6 +8,7 @@
 #include <google/protobuf/util/time_util.h>
 #include <spdlog/spdlog.h>
 
+#include "core/smooth/registry.h"
 #include "server/jobs/job_states.h"
 #include "server/observe/log.h"
 
@@ -166,7 +167,10 @@ Result<std::string> DurableJobs::hash_of(const Caller& caller, const SubmittedMe
   return sha256;
 }
 
-Result<v1::Job> DurableJobs::submit(const Caller& caller, const Submission& submission) {
+Result<v1::Job> DurableJobs::submit(const Caller& caller, Submission submission) {
+  const auto method = find_method(submission.options.method());
+  if (!method) return method.error();
+  submission.options.set_method((*method)->name);  // the same request, whether the default is named or not
   if (auto fine = check_key(submission.idempotency_key); !fine) return fine.error();
   if (!submission.mesh.given()) return Error{Cause::EmptyMesh, "the request has no mesh", "mesh"};
   const auto held = files_.hold();

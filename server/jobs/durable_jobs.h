@@ -63,7 +63,7 @@ class DurableJobs {
   /// Keeps the meshes and the job. Errors: those of SmoothService::check(), NotFound for a SHA-256 that the
   /// owner does not have, QueueFull with a time, StorageFull, IdempotencyKeyReused, IdempotencyKeyBusy,
   /// ShuttingDown.
-  Result<v1::Job> submit(const Caller& caller, const Submission& submission);
+  Result<v1::Job> submit(const Caller& caller, Submission submission);
 
   /// All of these: NotFound also for a job of another owner, Expired for one whose time is over.
   Result<v1::Job> get(const Caller& caller, const std::string& id);

@@ -71,7 +71,7 @@ TEST(DurableJobs, FailWithWhatIsWrongWithTheMesh) {
 TEST(DurableJobs, AreRefusedAtTheDoorForWhatCanBeSeenThere) {
   JobsHouse house({.limits = {.mesh = {.max_bytes = 100}}, .durable = {.max_jobs = 1}});
   DurableJobs& jobs = house.durable_jobs;
-  EXPECT_EQ(cause_of(jobs.submit(kAnyone, {})), Cause::EmptyMesh);
+  EXPECT_EQ(cause_of(jobs.submit(kAnyone, Submission())), Cause::EmptyMesh);
   Submission wrong = submission();
   wrong.options.set_method("nonsense");
   EXPECT_EQ(cause_of(jobs.submit(kAnyone, wrong)), Cause::UnknownMethod);

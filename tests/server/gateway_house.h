@@ -24,7 +24,7 @@ struct GatewayHouse : JobsHouse {
       : JobsHouse({.limits = {.mesh = {.max_bytes = 100'000}},
                    .runner = {.workers = 1, .queue = 1, .longest_run = setting.longest_run},
                    .smooth = std::move(setting.smooth)}),
-        gateway(jobs, std::move(setting.gateway)) {}
+        gateway(jobs, durable_jobs, uploads, std::move(setting.gateway)) {}
 
   HttpResponse handle(const HttpRequest& request) {
     return gateway.handle(request, [] { return false; });
