@@ -98,7 +98,7 @@ Result<> Server::open(const Config& config) {
   auto http = HttpServer::start(http_options(config), gateway_, jobs_);
   if (!http) return std::move(http).error();
   http_ = std::move(http).value();
-  auto grpc = GrpcServer::start(config, jobs_);
+  auto grpc = GrpcServer::start(config, jobs_, durable_jobs_, uploads_);
   if (!grpc) return std::move(grpc).error();
   grpc_ = std::move(grpc).value();
   if (auto passed = jobs_.self_test(); !passed) return passed;

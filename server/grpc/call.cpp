@@ -11,7 +11,7 @@ namespace {
 using Clock = RunControl::Clock;
 
 /// The call's deadline on the clock that jobs use; none when it is so far away that it means none.
-std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerContext& context) {
+std::optional<Clock::time_point> steady_deadline(const grpc::ServerContextBase& context) {
   const auto left = context.deadline() - std::chrono::system_clock::now();
   if (left > std::chrono::hours(24 * 365)) return {};
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(left);
@@ -28,6 +28,11 @@ void CallCount::leave() {
   const std::lock_guard lock(mutex_);
   --calls_;
   changed_.notify_all();  // with the lock: whoever waits may destroy this object next
+}
+
+int CallCount::count() const {
+  const std::lock_guard lock(mutex_);
+  return calls_;
 }
 
 bool CallCount::wait_until_none(std::chrono::milliseconds patience) {
@@ -56,7 +61,7 @@ void OpenUploads::refuse_all(const Error& error) {
   }
 }
 
-Caller caller_of(grpc::CallbackServerContext& context, Kind kind) {
+Caller caller_of(grpc::ServerContextBase& context, Kind kind) {
   Caller caller;
   caller.transport = Transport::Grpc;
   caller.kind = kind;

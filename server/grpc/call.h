@@ -19,11 +19,12 @@ class CallCount {
  public:
   void enter();
   void leave();
+  int count() const;
   /// False when calls are still under way after `patience`.
   bool wait_until_none(std::chrono::milliseconds patience);
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   int calls_ = 0;  ///< guarded by mutex_
 };
@@ -62,7 +63,7 @@ struct CallHome {
 };
 
 /// Who calls, from the call's metadata; sends the request id with the answer.
-Caller caller_of(grpc::CallbackServerContext& context, Kind kind);
+Caller caller_of(grpc::ServerContextBase& context, Kind kind);
 
 /// Whether the deadline passed, or is so near that a cancellation now comes from it.
 bool deadline_passed(const Caller& caller);

@@ -17,6 +17,7 @@ constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 /// For clients to close their connections themselves. Some never do: those that watch health, or do not poll.
 constexpr std::chrono::milliseconds kGoodbye{250};
 constexpr int kMaxMetadataBytes = 16 * 1024;
+constexpr int kMostThreads = 512;  // of the synchronous services; more calls are refused
 
 // A silent peer is asked after a minute and given up 20 s later. Clients may ask every 30 s, with some slack.
 constexpr int kKeepaliveMs = 60'000;
@@ -32,6 +33,7 @@ std::uint64_t buffer_bytes(const Config& config) { return std::max(512 * kMiB, 6
 void set_limits(grpc::ServerBuilder& builder, const Config& config) {
   grpc::ResourceQuota quota("burnish");
   quota.Resize(buffer_bytes(config));
+  quota.SetMaxThreads(kMostThreads);
   builder.SetResourceQuota(quota);
   builder.SetMaxReceiveMessageSize(std::numeric_limits<int>::max());
   builder.SetMaxSendMessageSize(std::numeric_limits<int>::max());  // a Draco file grows when written as OBJ
@@ -61,6 +63,7 @@ Error cannot_listen(const Address& address) {
 }  // namespace
 
 Result<std::unique_ptr<GrpcServer>> GrpcServer::start(const Config& config, Jobs& jobs,
+                                                      DurableJobs& durable_jobs, Uploads& uploads,
                                                       std::chrono::milliseconds idle) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
@@ -70,11 +73,13 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(const Config& config, Jobs
   }
 
   const CallLimits limits{.max_message_bytes = config.max_unary_bytes, .idle = idle};
-  auto result = std::unique_ptr<GrpcServer>(new GrpcServer(jobs, limits));
+  auto result = std::unique_ptr<GrpcServer>(new GrpcServer(jobs, durable_jobs, uploads, limits));
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort(config.grpc_listen.text(), grpc::InsecureServerCredentials(), &port);
   builder.RegisterService(&result->handler_);
+  builder.RegisterService(&result->jobs_handler_);
+  builder.RegisterService(&result->uploads_handler_);
   set_limits(builder, config);
   set_compression(builder, config.grpc_compression);
   result->server_ = builder.BuildAndStart();
@@ -90,7 +95,10 @@ GrpcServer::~GrpcServer() { stop(std::chrono::milliseconds::zero()); }
 void GrpcServer::set_serving(bool serving) {
   auto* health = server_->GetHealthCheckService();
   health->SetServingStatus("", serving);
-  health->SetServingStatus(std::string(v1::SmoothingService::service_full_name()), serving);
+  for (const char* const service :
+       {v1::SmoothingService::service_full_name(), v1::JobService::service_full_name(),
+        v1::UploadService::service_full_name()})
+    health->SetServingStatus(service, serving);
 }
 
 void GrpcServer::refuse_uploads() {

@@ -1,4 +1,4 @@
-// The gRPC side: SmoothingService, health and reflection on one address.
+// The gRPC side: SmoothingService, JobService, UploadService, health and reflection on one address.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,9 @@
 #include <grpcpp/grpcpp.h>
 
 #include "server/config.h"
+#include "server/grpc/jobs_handler.h"
 #include "server/grpc/smoothing_handler.h"
+#include "server/grpc/uploads_handler.h"
 
 namespace burnish {
 
@@ -18,12 +20,15 @@ class GrpcServer {
   /// that a dead server left is replaced. `idle`: CallLimits::idle. Errors: BadOption when the address cannot
   /// be opened.
   static Result<std::unique_ptr<GrpcServer>> start(const Config& config, Jobs& jobs,
+                                                   DurableJobs& durable_jobs, Uploads& uploads,
                                                    std::chrono::milliseconds idle = CallLimits().idle);
   ~GrpcServer();  ///< stop(zero)
 
   const Address& address() const { return address_; }  ///< with the port that was opened
 
-  /// What the health service says, for "" and for burnish.v1.SmoothingService.
+  int calls() const { return handler_.calls().count(); }  ///< that are under way
+
+  /// What the health service says, for "" and for each service of burnish.v1.
   void set_serving(bool serving);
 
   /// Answers ShuttingDown to every call whose bytes have not all come. Streams that start later are refused
@@ -35,11 +40,16 @@ class GrpcServer {
   void stop(std::chrono::milliseconds patience);
 
  private:
-  GrpcServer(Jobs& jobs, const CallLimits& limits) : handler_(jobs, limits) {}
+  GrpcServer(Jobs& jobs, DurableJobs& durable_jobs, Uploads& uploads, const CallLimits& limits)
+      : handler_(jobs, limits),
+        jobs_handler_(handler_.home(), durable_jobs),
+        uploads_handler_(handler_.home(), uploads) {}
 
   SmoothingHandler handler_;
+  JobsHandler jobs_handler_;
+  UploadsHandler uploads_handler_;
   Address address_;
-  std::unique_ptr<grpc::Server> server_;  ///< last: it calls the handler
+  std::unique_ptr<grpc::Server> server_;  ///< last: it calls the handlers
 };
 
 }  // namespace burnish

@@ -29,7 +29,9 @@ class SmoothingHandler final : public WithRawMethods<v1::SmoothingService> {
   grpc::ServerUnaryReactor* ListMethods(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
                                         grpc::ByteBuffer* response) override;
 
+  CallHome& home() { return home_; }
   CallCount& calls() { return home_.calls; }
+  const CallCount& calls() const { return home_.calls; }
   OpenUploads& uploads() { return home_.uploads; }
 
  private:

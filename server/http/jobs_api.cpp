@@ -4,8 +4,6 @@
 #include <array>
 #include <charconv>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -15,7 +13,7 @@
 #include "server/http/media_type.h"
 #include "server/http/problem.h"
 #include "server/http/report_header.h"
-#include "server/jobs/job_states.h"
+#include "server/jobs/latest_job.h"
 
 namespace burnish {
 namespace {
@@ -38,52 +36,6 @@ std::string path_of(const std::string& id) { return "/v1/jobs/" + id; }
 
 std::string whole_seconds(milliseconds time) {
   return std::to_string(std::chrono::ceil<seconds>(time).count());
-}
-
-/// The latest word on a job, for a thread that waits. Shared, for either may be gone first.
-class Latest {
- public:
-  void set(const v1::Job& job) {
-    const std::lock_guard lock(mutex_);
-    job_ = job;
-    ++version_;
-    changed_.notify_all();
-  }
-
-  /// Waits for a word newer than `seen` for at most `patience`; false when there is none.
-  bool wait(std::uint64_t& seen, milliseconds patience, v1::Job& job) {
-    std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, patience, [&] { return version_ != seen; })) return false;
-    seen = version_;
-    job = job_;
-    return true;
-  }
-
-  /// Returns early when the job has ended.
-  void pause(milliseconds time) {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, time, [this] { return has_ended(job_.state()); });
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  v1::Job job_;
-  std::uint64_t version_ = 0;
-};
-
-/// A job that is being watched.
-struct Watched {
-  std::shared_ptr<Latest> latest = std::make_shared<Latest>();
-  std::shared_ptr<void> handle;
-};
-
-Result<Watched> watch(DurableJobs& jobs, const Caller& caller, const std::string& id) {
-  Watched watched;
-  auto handle = jobs.watch(caller, id, [latest = watched.latest](const v1::Job& job) { latest->set(job); });
-  if (!handle) return std::move(handle).error();
-  watched.handle = std::move(handle).value();
-  return watched;
 }
 
 /// N of "Prefer: wait=N"; nothing: not asked for, or not a number.
@@ -154,12 +106,12 @@ Result<HttpResponse> JobsApi::list(const HttpRequest& request, const Caller& cal
 Result<HttpResponse> JobsApi::get(const HttpRequest& request, const Caller& caller, const std::string& id,
                                   const std::function<bool()>& client_gone) {
   const auto wait = wait_of(request.header("Prefer"));
-  const auto watched = watch(durable_jobs_, caller, id);
-  if (!watched) return watched.error();
+  const auto latest = LatestJob::watch(durable_jobs_, caller, id);
+  if (!latest) return latest.error();
   v1::Job job;
   std::uint64_t seen = 0;
   for (const auto until = Clock::now() + wait.value_or(seconds(0));;) {
-    watched->latest->wait(seen, kAskClientEvery, job);
+    latest->wait(seen, kAskClientEvery, job);
     if (has_ended(job.state()) || Clock::now() >= until || client_gone() || !jobs_.serving()) break;
   }
   HttpResponse response = answer(200, job);
@@ -178,16 +130,16 @@ Result<HttpResponse> JobsApi::events(const Caller& caller, const std::string& id
                  .message = "more than " + std::to_string(kMostListeners) + " callers listen to events",
                  .retry_after = kHeartbeat};
   }
-  auto watched = watch(durable_jobs_, caller, id);
-  if (!watched) return std::move(watched).error();
-  const auto stream = [place, watched = std::move(watched).value()](const auto& send, const auto& gone) {
+  auto latest = LatestJob::watch(durable_jobs_, caller, id);
+  if (!latest) return std::move(latest).error();
+  const auto stream = [place, latest = std::move(latest).value()](const auto& send, const auto& gone) {
     v1::Job job;
     std::uint64_t seen = 0;
     std::uint64_t event = 0;
     auto quiet_since = Clock::now();
     while (!gone()) {
       std::string text;
-      if (watched.latest->wait(seen, kEventsEvery, job)) {
+      if (latest.wait(seen, kEventsEvery, job)) {
         text = "event: job\nid: " + std::to_string(++event) + "\ndata: " + to_json(job, true) + "\n\n";
       } else if (Clock::now() - quiet_since >= kHeartbeat) {
         text = ": still there\n\n";
@@ -195,7 +147,7 @@ Result<HttpResponse> JobsApi::events(const Caller& caller, const std::string& id
       if (text.empty()) continue;
       if (!send(text) || has_ended(job.state())) return;
       quiet_since = Clock::now();
-      watched.latest->pause(kEventsEvery);  // a listener need not hear of every iteration
+      latest.pause(kEventsEvery);
     }
   };
   return HttpResponse{.headers = {{"Content-Type", "text/event-stream"}, {"Cache-Control", "no-store"}},

@@ -62,7 +62,8 @@ TEST(GrpcSocket, ReplacesOneThatADeadServerLeft) {
 TEST(GrpcSocket, IsNotTakenFromAServerThatLives) {
   const std::string path = free_path();
   RunningGrpc first({.config = on_socket(path)});
-  const auto second = GrpcServer::start(on_socket(path), first.jobs());
+  const auto second =
+      GrpcServer::start(on_socket(path), first.jobs(), first.house().durable_jobs, first.house().uploads);
   ASSERT_FALSE(second.ok());
   EXPECT_EQ(second.error().message, "cannot listen on unix:" + path + ": a server listens there already");
   EXPECT_TRUE(list_methods_of(first).ok()) << "the first one is unharmed";

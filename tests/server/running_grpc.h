@@ -59,7 +59,9 @@ class RunningGrpc {
                 .runner = {.workers = setup.config.workers, .queue = setup.config.queue, .threads = 1},
                 .smooth = std::move(setup.smooth)}) {
     if (!setup.config.grpc_listen.is_unix()) setup.config.grpc_listen = {"127.0.0.1", 0};
-    server_ = std::move(GrpcServer::start(setup.config, house_.jobs, setup.idle).value());
+    server_ = std::move(
+        GrpcServer::start(setup.config, house_.jobs, house_.durable_jobs, house_.uploads, setup.idle)
+            .value());
     stub_ = v1::SmoothingService::NewStub(connect(server_->address()));
   }
   ~RunningGrpc() { house_.runner.drain(std::chrono::milliseconds::zero()); }  // their answers use the server
@@ -69,6 +71,7 @@ class RunningGrpc {
   JobRunner& runner() { return house_.runner; }
   Lifecycle& lifecycle() { return house_.lifecycle; }
   Jobs& jobs() { return house_.jobs; }
+  JobsHouse& house() { return house_; }
 
   /// Nothing of any call is left: no job, no bytes, no call under way.
   bool forgets_everything() {
