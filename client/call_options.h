@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "burnish/v1/smoothing.pb.h"
 
@@ -39,6 +40,9 @@ struct CallOptions {
   /// call with "internal".
   std::function<void(const v1::SmoothProgress&)> progress = {};
   RetryPolicy retry = {};
+  /// Sent as "authorization: Bearer TOKEN"; empty: none. Anybody on the way reads it unless the channel is
+  /// encrypted.
+  std::string token = {};
   Compression compression = Compression::None;  ///< of what is sent
   /// Meshes and options of more bytes go by stream. The server takes 8 MiB at most unless told otherwise.
   std::size_t unary_bytes = std::size_t{4} << 20;

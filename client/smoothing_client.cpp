@@ -60,6 +60,7 @@ void prepare(grpc::ClientContext& context, const Attempts& attempts, const CallO
         std::chrono::system_clock::now() +
         std::chrono::duration_cast<std::chrono::system_clock::duration>(*deadline - Attempts::Clock::now()));
   }
+  if (!options.token.empty()) context.AddMetadata("authorization", "Bearer " + options.token);
   if (options.compression == Compression::Gzip) context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
 }
 

@@ -69,6 +69,10 @@ int exit_code(const Error& error) {
 
 }  // namespace
 
+bool Address::is_local() const {
+  return is_unix() || host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
 std::string Address::text() const {
   if (is_unix()) return std::string(kUnix) + path;
   const bool v6 = host.find(':') != std::string::npos;

@@ -22,6 +22,8 @@ struct Address {
   std::string path = {};  ///< of a Unix domain socket; "" for TCP
 
   bool is_unix() const { return !path.empty(); }
+  /// A socket, or a number or name that is this machine's alone.
+  bool is_local() const;
   std::string text() const;  ///< "127.0.0.1:8080", "[::1]:8080", "unix:/run/burnish.sock"
   friend bool operator==(const Address&, const Address&) = default;
 };
@@ -33,6 +35,9 @@ struct Config {
   Address grpc_listen{"127.0.0.1", 50051};
   Address http_listen{"127.0.0.1", 8080};
   std::string ports_file;  ///< gets {"grpc": "HOST:PORT", "http": "HOST:PORT"} once both serve; empty: none
+
+  std::string tokens_file;  ///< who may call, as tokens.h reads it; empty: everybody
+  bool insecure = false;    ///< listen beyond this machine without tokens
 
   unsigned workers = 0;          ///< jobs that run at once; 0 = one per core
   std::uint32_t queue = 64;      ///< jobs that may wait

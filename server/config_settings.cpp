@@ -171,6 +171,8 @@ std::vector<Setting> transport_settings(Config& config) {
       address("grpc-listen", config.grpc_listen, "where to serve gRPC; port 0: any"),
       address("http-listen", config.http_listen, "where to serve HTTP; port 0: any"),
       path("ports-file", config.ports_file, "FILE", "gets both addresses as JSON once both serve"),
+      path("tokens", config.tokens_file, "FILE", "who may call, by bearer token; default: everybody"),
+      on_or_off("insecure", config.insecure, "listen beyond this machine without tokens"),
       size("max-unary-bytes", config.max_unary_bytes, 64 * kKi, kGi,
            "largest message of gRPC; streams carry larger meshes"),
       number("max-streams", config.max_streams, 1, 65536, "gRPC calls at once on one connection"),

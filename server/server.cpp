@@ -41,10 +41,25 @@ Result<> write_ports_file(const std::string& path, const Address& grpc, const Ad
   return {};
 }
 
+/// Whoever finds the port could use it.
+Result<> check_guard(const Config& config) {
+  if (!config.tokens_file.empty() || config.insecure) return {};
+  for (const auto& [name, address] :
+       {std::pair("grpc-listen", config.grpc_listen), std::pair("http-listen", config.http_listen)}) {
+    if (address.is_local()) continue;
+    return Error{Cause::BadOption,
+                 std::string(name) + " " + address.text() +
+                     " can be reached from other machines: say who may call (tokens), or that "
+                     "everybody may (insecure)"};
+  }
+  return {};
+}
+
 }  // namespace
 
-Server::Server(const Config& config, Store store, SmoothFunction smooth)
-    : service_(config.limits),
+Server::Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens, SmoothFunction smooth)
+    : tokens_(std::move(tokens)),
+      service_(config.limits),
       spool_({.folder = config.spool_folder, .max_bytes = config.max_spool_bytes}),
       runner_({.workers = config.workers,
                .queue = config.queue,
@@ -55,8 +70,9 @@ Server::Server(const Config& config, Store store, SmoothFunction smooth)
       jobs_(service_, runner_, spool_, lifecycle_, metrics_, std::move(smooth)),
       durable_jobs_(*store_.records, *store_.files, jobs_,
                     {.max_jobs = config.max_jobs, .keep = config.keep}),
-      uploads_(*store_.records, *store_.files, service_, {.keep = config.keep}),
+      uploads_(*store_.records, *store_.files, jobs_, {.keep = config.keep}),
       gateway_(jobs_, durable_jobs_, uploads_, {.cors_origins = config.cors_origins}) {
+  jobs_.ask_for(tokens_.get());
   jobs_.set_more_gauges([this](Gauges& gauges) {
     gauges.kept_waiting = durable_jobs_.waiting();
     gauges.kept_running = durable_jobs_.running();
@@ -67,9 +83,17 @@ Server::Server(const Config& config, Store store, SmoothFunction smooth)
 }
 
 Result<std::unique_ptr<Server>> Server::start(const Config& config, SmoothFunction smooth) {
+  if (auto guarded = check_guard(config); !guarded) return std::move(guarded).error();
+  std::unique_ptr<Tokens> tokens;
+  if (!config.tokens_file.empty()) {
+    auto loaded = Tokens::load(config.tokens_file);
+    if (!loaded) return std::move(loaded).error();
+    tokens = std::move(loaded).value();
+  }
   auto store = open_store(config);
   if (!store) return std::move(store).error();
-  auto server = std::unique_ptr<Server>(new Server(config, std::move(store).value(), std::move(smooth)));
+  auto server = std::unique_ptr<Server>(
+      new Server(config, std::move(store).value(), std::move(tokens), std::move(smooth)));
   if (auto opened = server->open(config); !opened) return std::move(opened).error();
   return server;
 }
@@ -131,6 +155,7 @@ void Server::watch(const std::stop_token& stop) {
   int trims = 0;
   while (!stopped.wait_for(lock, stop, kHealthTick, [&stop] { return stop.stop_requested(); })) {
     tell_health();
+    if (tokens_) tokens_->reload_if_changed();
     if (const auto now = runner_.ended(); now != ended) {
       ended = now;
       trims = 0;

@@ -15,6 +15,7 @@
 #include "server/jobs/uploads.h"
 #include "server/lifecycle.h"
 #include "server/observe/metrics.h"
+#include "server/security/tokens.h"
 
 namespace burnish {
 
@@ -46,12 +47,13 @@ class Server {
     std::unique_ptr<Records> records;
   };
   static Result<Store> open_store(const Config& config);
-  Server(const Config& config, Store store, SmoothFunction smooth);
+  Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens, SmoothFunction smooth);
   Result<> open(const Config& config);
   void tell_health();
   void watch(const std::stop_token& stop);
   void keep_house(const std::stop_token& stop);
 
+  const std::unique_ptr<Tokens> tokens_;  ///< null: whoever reaches the ports may call
   Lifecycle lifecycle_;
   Metrics metrics_;
   SmoothService service_;

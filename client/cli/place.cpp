@@ -1,6 +1,7 @@
 #include "client/cli/place.h"
 
 #include <chrono>
+#include <cstdlib>
 
 #include "server/status_map.h"
 
@@ -15,8 +16,9 @@ std::optional<std::chrono::milliseconds> timeout_of(const Place& place) {
 }  // namespace
 
 void add_place(CLI::App* command, Place& place) {
-  CLI::Option* server = command->add_option("--server", place.server,
-                                            "Let the burnishd at HOST:PORT or unix:PATH (gRPC) do it");
+  CLI::Option* server = command->add_option(
+      "--server", place.server,
+      "Let the burnishd at HOST:PORT or unix:PATH (gRPC) do it; its token is taken from BURNISH_TOKEN");
   command->add_option("--retries", place.retries, "How often to try again while the server is busy or away")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str()
@@ -36,7 +38,11 @@ RunControl run_control(const Place& place, const Console& console) {
 }
 
 client::CallOptions call_options(const Place& place, const Console& console) {
-  return {.timeout = timeout_of(place), .stop = console.stop, .retry = {.attempts = place.retries + 1}};
+  const char* const token = std::getenv("BURNISH_TOKEN");  // never an argument: other users see those
+  return {.timeout = timeout_of(place),
+          .stop = console.stop,
+          .retry = {.attempts = place.retries + 1},
+          .token = token ? token : ""};
 }
 
 Error error_from(const client::Error& error, const Place& place) {

@@ -61,7 +61,7 @@ void OpenUploads::refuse_all(const Error& error) {
   }
 }
 
-Caller caller_of(grpc::ServerContextBase& context, Kind kind) {
+Caller caller_of(grpc::ServerContextBase& context, Kind kind, const Jobs& jobs) {
   Caller caller;
   caller.transport = Transport::Grpc;
   caller.kind = kind;
@@ -70,6 +70,9 @@ Caller caller_of(grpc::ServerContextBase& context, Kind kind) {
   if (const auto trace = metadata.find("traceparent"); trace != metadata.end()) {
     caller.trace_id = trace_id_of({trace->second.data(), trace->second.size()});
   }
+  const auto token = metadata.find("authorization");
+  jobs.identify(token == metadata.end() ? "" : std::string_view(token->second.data(), token->second.size()),
+                caller);
   context.AddInitialMetadata("burnish-request-id", caller.request_id);
   return caller;
 }

@@ -62,8 +62,8 @@ struct CallHome {
   OpenUploads uploads = {};
 };
 
-/// Who calls, from the call's metadata; sends the request id with the answer.
-Caller caller_of(grpc::ServerContextBase& context, Kind kind);
+/// Who calls, from the call's metadata, or why this caller is refused; sends the request id with the answer.
+Caller caller_of(grpc::ServerContextBase& context, Kind kind, const Jobs& jobs);
 
 /// Whether the deadline passed, or is so near that a cancellation now comes from it.
 bool deadline_passed(const Caller& caller);

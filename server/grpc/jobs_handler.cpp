@@ -45,6 +45,7 @@ Result<Submission> submission_of(const v1::SubmitJobRequest& request) {
 grpc::Status JobsHandler::SubmitJob(grpc::ServerContext* context, const v1::SubmitJobRequest* request,
                                     v1::Job* response) {
   const KeptCall call(home_, *context, "SubmitJob");
+  if (const auto& refusal = call.caller().refusal) return call.failed(*refusal);
   if (const std::size_t bytes = request->ByteSizeLong(); bytes > home_.limits.max_message_bytes) {
     return call.failed({Cause::TooLarge, "the request has " + std::to_string(bytes) +
                                              " bytes, a unary call carries " +
@@ -59,18 +60,21 @@ grpc::Status JobsHandler::SubmitJob(grpc::ServerContext* context, const v1::Subm
 grpc::Status JobsHandler::GetJob(grpc::ServerContext* context, const v1::GetJobRequest* request,
                                  v1::Job* response) {
   const KeptCall call(home_, *context, "GetJob");
+  if (const auto& refusal = call.caller().refusal) return call.failed(*refusal);
   return call.answer(jobs_.get(call.caller(), request->id()), response);
 }
 
 grpc::Status JobsHandler::ListJobs(grpc::ServerContext* context, const v1::ListJobsRequest* request,
                                    v1::ListJobsResponse* response) {
   const KeptCall call(home_, *context, "ListJobs");
+  if (const auto& refusal = call.caller().refusal) return call.failed(*refusal);
   return call.answer(jobs_.list(call.caller(), request->page_size(), request->page_token()), response);
 }
 
 grpc::Status JobsHandler::WatchJob(grpc::ServerContext* context, const v1::WatchJobRequest* request,
                                    grpc::ServerWriter<v1::Job>* writer) {
   const KeptCall call(home_, *context, "WatchJob");
+  if (const auto& refusal = call.caller().refusal) return call.failed(*refusal);
   const auto place = std::shared_ptr<void>(nullptr, [this](void*) { --watchers_; });
   if (++watchers_ > kMostWatchers) {
     return call.failed({.cause = Cause::QueueFull,
@@ -93,12 +97,14 @@ grpc::Status JobsHandler::WatchJob(grpc::ServerContext* context, const v1::Watch
 grpc::Status JobsHandler::CancelJob(grpc::ServerContext* context, const v1::CancelJobRequest* request,
                                     v1::Job* response) {
   const KeptCall call(home_, *context, "CancelJob");
+  if (const auto& refusal = call.caller().refusal) return call.failed(*refusal);
   return call.answer(jobs_.cancel(call.caller(), request->id()), response);
 }
 
 grpc::Status JobsHandler::DeleteJob(grpc::ServerContext* context, const v1::DeleteJobRequest* request,
                                     v1::DeleteJobResponse*) {
   const KeptCall call(home_, *context, "DeleteJob");
+  if (const auto& refusal = call.caller().refusal) return call.failed(*refusal);
   const auto removed = jobs_.remove(call.caller(), request->id());
   return removed ? call.ok() : call.failed(removed.error());
 }
@@ -107,6 +113,7 @@ grpc::Status JobsHandler::DownloadResult(grpc::ServerContext* context,
                                          const v1::DownloadResultRequest* request,
                                          grpc::ServerWriter<v1::DownloadResultResponse>* writer) {
   const KeptCall call(home_, *context, "DownloadResult");
+  if (const auto& refusal = call.caller().refusal) return call.failed(*refusal);
   const auto result = jobs_.result(call.caller(), request->id());
   if (!result) return call.failed(result.error());
   const std::string_view bytes = result->content.bytes;

@@ -16,7 +16,7 @@ namespace burnish {
 class KeptCall {
  public:
   KeptCall(CallHome& home, grpc::ServerContext& context, const char* name)
-      : home_(home), context_(context), name_(name), caller_(caller_of(context, Kind::Smooth)) {
+      : home_(home), context_(context), name_(name), caller_(caller_of(context, Kind::Smooth, home.jobs)) {
     home_.calls.enter();
   }
   ~KeptCall() { home_.calls.leave(); }

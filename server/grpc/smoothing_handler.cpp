@@ -42,11 +42,14 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* SmoothingHandler::CompareStream(
 grpc::ServerUnaryReactor* SmoothingHandler::ListMethods(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request,
                                                         grpc::ByteBuffer* response) {
-  const Caller caller = caller_of(*context, Kind::Smooth);
+  const Caller caller = caller_of(*context, Kind::Smooth, home_.jobs);
   v1::ListMethodsRequest nothing;
   const auto parsed =
-      parse(own(request),
-            {home_.limits.max_message_bytes, "the request", "a unary call", "it needs no bytes"}, nothing);
+      caller.refusal
+          ? Result<>(*caller.refusal)
+          : parse(own(request),
+                  {home_.limits.max_message_bytes, "the request", "a unary call", "it needs no bytes"},
+                  nothing);
   spdlog::info("request id={} transport=grpc call=ListMethods", caller.request_id);
   if (parsed) *response = serialise(list_methods());
   auto* reactor = context->DefaultReactor();

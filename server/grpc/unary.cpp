@@ -48,13 +48,14 @@ template <class Rpc>
 class UnaryCall final : public grpc::ServerUnaryReactor {
  public:
   UnaryCall(CallHome& home, grpc::CallbackServerContext& context)
-      : home_(home), caller_(caller_of(context, Rpc::kKind)) {
+      : home_(home), caller_(caller_of(context, Rpc::kKind, home.jobs)) {
     home_.calls.enter();
   }
 
   /// Called within the handler, before gRPC knows the reactor: a Finish is held back until the handler
   /// returned.
   void start(grpc::ByteBuffer& bytes, grpc::ByteBuffer& response) {
+    if (caller_.refusal) return refuse(*caller_.refusal);
     const auto request = std::make_shared<typename Rpc::Request>();
     const MessageLimit limit{home_.limits.max_message_bytes, "the request", "a unary call", Rpc::kAdvice};
     if (auto parsed = parse(bytes, limit, *request); !parsed) return refuse(parsed.error());

@@ -35,7 +35,7 @@ class UploadCall : public Reactor,
  public:
   UploadCall(CallHome& home, Kind kind, grpc::CallbackServerContext& context)
       : home_(home),
-        caller_(caller_of(context, kind)),
+        caller_(caller_of(context, kind, home.jobs)),
         upload_(std::make_shared<Upload>(home.jobs.spool(), home.jobs.limits().mesh.max_bytes)),
         context_(context) {
     home_.calls.enter();

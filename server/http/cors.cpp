@@ -6,7 +6,8 @@ namespace burnish {
 namespace {
 
 constexpr const char* kRequestHeaders =
-    "Content-Type, Accept, Content-Encoding, traceparent, Burnish-Request-Id, Idempotency-Key, Prefer, "
+    "Authorization, Content-Type, Accept, Content-Encoding, traceparent, Burnish-Request-Id, "
+    "Idempotency-Key, Prefer, "
     "Range, "
     "If-Range, If-None-Match, Upload-Offset, Upload-Length, Upload-Complete, Repr-Digest";
 constexpr const char* kAnswerHeaders =

@@ -102,11 +102,14 @@ bool IgnoreCase::operator()(std::string_view a, std::string_view b) const {
 
 /// A request on its way to its answer.
 struct Gateway::Exchange {
-  explicit Exchange(const HttpRequest& of) : request(of), route(find_route(of.path)) {
+  Exchange(const HttpRequest& of, const Jobs& jobs, bool is_new = false)
+      : request(of), route(find_route(of.path)) {
     caller.transport = Transport::Http;
     if (route && route->endpoint == Endpoint::Compare) caller.kind = Kind::Compare;
     if (const auto id = of.header("Burnish-Request-Id"); is_request_id(id)) caller.request_id = id;
     caller.trace_id = trace_id_of(of.header("traceparent"));
+    if (route && !route->is_open() && of.method != "OPTIONS")
+      jobs.identify(of.header("Authorization"), caller, is_new);
   }
 
   bool is_work() const { return route && route->takes_meshes() && request.method == "POST"; }
@@ -148,21 +151,21 @@ Gateway::Gateway(Jobs& jobs, DurableJobs& durable_jobs, Uploads& uploads, Gatewa
 
 std::optional<HttpResponse> Gateway::answer_head(const HttpRequest& request,
                                                  const std::function<bool()>& client_gone) {
-  Exchange exchange(request);
+  Exchange exchange(request, jobs_, true);
   auto response = answer_head(exchange, client_gone);
   if (!response) return {};
   return finish(exchange, *std::move(response));
 }
 
 HttpResponse Gateway::handle(const HttpRequest& request, const std::function<bool()>& client_gone) {
-  Exchange exchange(request);
+  Exchange exchange(request, jobs_);
   auto response = answer_head(exchange, client_gone);
   if (!response) response = work(exchange, client_gone);
   return finish(exchange, *std::move(response));
 }
 
 HttpResponse Gateway::refuse(const HttpRequest& request, const Error& error) {
-  Exchange exchange(request);
+  Exchange exchange(request, jobs_);
   return finish(exchange, refuse(exchange, error));
 }
 
@@ -175,8 +178,9 @@ HttpResponse Gateway::bad_request(int status, const Error& error) {
 }
 
 std::optional<BodyTaking> Gateway::take_body(const HttpRequest& request) {
-  Exchange exchange(request);
+  Exchange exchange(request, jobs_);
   if (!exchange.is_upload()) return {};
+  if (exchange.caller.refusal) return BodyTaking{nullptr, answer_head(request).value()};
   auto taker = exchange.route->endpoint == Endpoint::Uploads
                    ? uploads_api_.create(request, exchange.caller)
                    : uploads_api_.append(request, exchange.caller, exchange.id());
@@ -198,6 +202,7 @@ std::optional<HttpResponse> Gateway::answer_head(Exchange& exchange,
   if (!route) return refuse(exchange, {Cause::NotFound, "there is nothing at " + request.path});
   const std::string allow(route->verbs);
   if (request.method == "OPTIONS") return HttpResponse{.status = 204, .headers = {{"Allow", allow}}};
+  if (caller.refusal) return refuse(exchange, *caller.refusal);
   if (exchange.is_work()) return refuse_early(exchange);
   if (exchange.is_upload()) return {};
   if (route->allows(request.method)) {
@@ -304,7 +309,9 @@ HttpResponse Gateway::refuse(Exchange& exchange, Error error) {
   error.message = printable(error.message);
   error.field = printable(error.field, 100);
   if (exchange.is_work()) jobs_.record_refusal(exchange.caller, error);
-  return problem(error, exchange.caller.request_id);
+  HttpResponse response = problem(error, exchange.caller.request_id);
+  if (error.cause == Cause::Unauthenticated) response.headers["WWW-Authenticate"] = "Bearer";
+  return response;
 }
 
 HttpResponse Gateway::finish(const Exchange& exchange, HttpResponse response) const {

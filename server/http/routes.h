@@ -42,6 +42,8 @@ struct Route {
   bool is_probe() const {
     return endpoint == Endpoint::Live || endpoint == Endpoint::Ready || endpoint == Endpoint::Metrics;
   }
+  /// Answers without a token: probes that a supervisor sends.
+  bool is_open() const { return endpoint == Endpoint::Live || endpoint == Endpoint::Ready; }
   bool allows(std::string_view verb) const {
     for (std::string_view rest = verbs;;) {
       const std::size_t end = rest.find(", ");

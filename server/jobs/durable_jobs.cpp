@@ -217,6 +217,14 @@ Result<> DurableJobs::check(const Caller& caller, const Submission& submission, 
   if (never) return fits;
   const std::lock_guard lock(mutex_);
   if (stopping_) return Error{Cause::ShuttingDown, "the server is shutting down"};
+  const auto own = std::ranges::count_if(
+      active_, [&](const auto& each) { return each.second->record.owner == caller.owner; });
+  if (caller.quota.jobs > 0 && own >= caller.quota.jobs) {
+    return Error{.cause = Cause::QuotaExceeded,
+                 .message = "the token may have " + std::to_string(caller.quota.jobs) +
+                            " jobs that have not ended (jobs)",
+                 .retry_after = kShortestLook};
+  }
   if (active_.size() < options_.max_jobs) return {};
   return Error{.cause = Cause::QueueFull,
                .message = std::to_string(active_.size()) + " jobs have not ended (max-jobs); try again later",
@@ -258,6 +266,8 @@ Result<v1::Job> DurableJobs::accept(const Caller& caller, const Submission& subm
     if (from->format) file.set_format(to_proto(*from->format));
   }
   if (auto fine = check(caller, submission, sizes[0], sizes[1]); !fine) return std::move(fine).error();
+  const std::uint64_t brought = submission.mesh.bytes.size() + submission.reference.bytes.size();
+  if (auto paid = jobs_.charge(caller, brought, sizes[0] + sizes[1]); !paid) return std::move(paid).error();
   for (const auto& [from, sha256] : given) {
     if (from->bytes.empty()) continue;
     if (auto kept = files_.put(from->bytes, *sha256); !kept) return std::move(kept).error();

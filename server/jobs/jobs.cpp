@@ -112,7 +112,7 @@ std::optional<JobHandle> Jobs::submit(const Caller& caller, Job job, Done<Answer
   job.request_id = caller.request_id;
   auto call = std::make_shared<TheCall>(TheCall{caller, std::move(job), std::move(done)});
   metrics_.count_request(caller.transport, kind_of(call->job));
-  if (auto admitted = admit(call->job); !admitted) {
+  if (auto admitted = admit(caller, call->job); !admitted) {
     finish(*call, Result<Answer>(std::move(admitted).error()));
     return {};
   }
@@ -128,13 +128,38 @@ std::optional<JobHandle> Jobs::submit(const Caller& caller, Job job, Done<Answer
 }
 
 template <class Job>
-Result<> Jobs::admit(const Job& job) const {
+Result<> Jobs::admit(const Caller& caller, const Job& job) const {
   if (!lifecycle_.serving()) return Error{Cause::ShuttingDown, "the server does not take work now"};
-  return service_.check(job);
+  if (caller.refusal) return *caller.refusal;
+  if (auto fine = service_.check(job); !fine) return fine;
+  const std::uint64_t bytes = job.mesh.size() + job.reference.size();
+  return charge(caller, bytes, bytes);
+}
+
+void Jobs::identify(std::string_view authorization, Caller& caller, bool counts) const {
+  if (!tokens_) return;
+  auto identity = tokens_->identify(authorization, counts);
+  if (!identity) {
+    caller.refusal = std::move(identity).error();
+    return;
+  }
+  caller.owner = identity->owner;
+  caller.quota = identity->quota;
+}
+
+Result<> Jobs::charge(const Caller& caller, std::uint64_t bytes, std::uint64_t whole) const {
+  if (caller.refusal) return *caller.refusal;
+  if (!tokens_) return {};
+  if (caller.quota.max_bytes > 0 && whole > caller.quota.max_bytes) {
+    return Error{Cause::QuotaExceeded, fmt::format("the meshes have {} bytes; the token allows {} (maxBytes)",
+                                                   whole, caller.quota.max_bytes)};
+  }
+  return tokens_->charge(caller.owner, bytes);
 }
 
 Result<> Jobs::expect(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const {
   if (!lifecycle_.serving()) return Error{Cause::ShuttingDown, "the server does not take work now"};
+  if (caller.refusal) return *caller.refusal;
   if (auto fits = service_.check_size(mesh_bytes, "the mesh"); !fits) return fits;
   if (auto fits = service_.check_size(reference_bytes, "the reference"); !fits) return fits;
   // Without a word about the format the cheaper one counts, so that nothing is refused that would fit.

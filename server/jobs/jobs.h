@@ -12,6 +12,7 @@
 #include "server/jobs/spool.h"
 #include "server/lifecycle.h"
 #include "server/observe/metrics.h"
+#include "server/security/tokens.h"
 #include "server/service/smooth_service.h"
 
 namespace burnish {
@@ -24,8 +25,10 @@ struct Caller {
   Transport transport = Transport::Grpc;
   Kind kind = Kind::Smooth;  ///< of what was refused; smooth() and compare() know theirs
   std::string request_id = new_request_id();
-  std::string trace_id = {};  ///< of a W3C traceparent; empty: none
-  std::string owner = {};     ///< whose token came with it; empty: the server asks for none
+  std::string trace_id = {};          ///< of a W3C traceparent; empty: none
+  std::string owner = {};             ///< whose token came with it; empty: the server asks for none
+  Quota quota = {};                   ///< of this owner
+  std::optional<Error> refusal = {};  ///< why nothing will be done for this caller
   std::optional<RunControl::Clock::time_point> deadline = {};
 };
 
@@ -60,6 +63,15 @@ class Jobs {
   /// A tiny mesh through the queue, a worker and the service; what readiness rests on at start.
   Result<> self_test();
 
+  /// Asks for tokens from now on; to be set before anybody calls, null: for none.
+  void ask_for(Tokens* tokens) { tokens_ = tokens; }
+  /// Who the caller is by an Authorization header or metadata; or why it is refused: Unauthenticated,
+  /// QuotaExceeded. `counts`: the first time that this request asks.
+  void identify(std::string_view authorization, Caller& caller, bool counts = true) const;
+  /// Counts bytes of a mesh, which has `whole` bytes by now, against the caller's quotas. Errors:
+  /// QuotaExceeded, and what refuses this caller.
+  Result<> charge(const Caller& caller, std::uint64_t bytes, std::uint64_t whole) const;
+
   /// Where transports keep the bytes that arrive.
   Spool& spool() { return spool_; }
   const SmoothService& service() const { return service_; }
@@ -77,7 +89,7 @@ class Jobs {
   template <class Job, class Answer>
   std::optional<JobHandle> submit(const Caller& caller, Job job, Done<Answer> done);
   template <class Job>
-  Result<> admit(const Job& job) const;
+  Result<> admit(const Caller& caller, const Job& job) const;
   template <class Job, class Answer>
   void run(Call<Job, Answer>& call, const RunControl& control, double queue_ms);
   template <class Job, class Answer>
@@ -91,6 +103,7 @@ class Jobs {
   const Lifecycle& lifecycle_;
   Metrics& metrics_;
   const SmoothFunction smooth_;
+  Tokens* tokens_ = nullptr;
   std::function<void(Gauges&)> more_gauges_ = [](Gauges&) {};
 };
 

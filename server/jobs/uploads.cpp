@@ -31,8 +31,8 @@ struct Uploads::Entry {
 
 class Uploads::OpenAppend final : public Uploads::Append {
  public:
-  OpenAppend(Uploads& of, EntryPtr entry)
-      : uploads_(of), entry_(std::move(entry)), synced_(upload().offset()) {}
+  OpenAppend(Uploads& of, Caller caller, EntryPtr entry)
+      : uploads_(of), caller_(std::move(caller)), entry_(std::move(entry)), synced_(upload().offset()) {}
   ~OpenAppend() override {
     if (!gone_) {
       if (auto kept = sync(); !kept) spdlog::warn("upload id={}: {}", upload().id(), kept.error().message);
@@ -47,6 +47,8 @@ class Uploads::OpenAppend final : public Uploads::Append {
       return Error{Cause::TooLarge, "the upload has more than " + std::to_string(limit) + " bytes, " +
                                         (upload().bytes() > 0 ? "its length" : "the limit (max-bytes)")};
     }
+    if (auto paid = uploads_.jobs_.charge(caller_, bytes.size(), upload().offset() + bytes.size()); !paid)
+      return paid;
     if (auto written = uploads_.files_.write_part(upload().id(), upload().offset(), bytes); !written)
       return written;
     {
@@ -84,17 +86,17 @@ class Uploads::OpenAppend final : public Uploads::Append {
   }
 
   Uploads& uploads_;
+  const Caller caller_;
   const EntryPtr entry_;
   std::uint64_t synced_;
   bool gone_ = false;
 };
 
-Uploads::Uploads(Records& records, FileStore& files, const SmoothService& service,
-                 const UploadsOptions& options)
-    : records_(records), files_(files), service_(service), options_(options) {}
+Uploads::Uploads(Records& records, FileStore& files, const Jobs& jobs, const UploadsOptions& options)
+    : records_(records), files_(files), jobs_(jobs), options_(options) {}
 
 std::uint64_t Uploads::limit() const {
-  return std::min<std::uint64_t>(service_.limits().mesh.max_bytes, std::numeric_limits<std::uint32_t>::max());
+  return std::min<std::uint64_t>(jobs_.limits().mesh.max_bytes, std::numeric_limits<std::uint32_t>::max());
 }
 
 Result<> Uploads::start() {
@@ -125,6 +127,7 @@ Result<v1::Upload> Uploads::create(const Caller& caller, std::uint64_t bytes, co
     return Error{Cause::TooLarge, "the upload is to have " + std::to_string(bytes) + " bytes; the limit is " +
                                       std::to_string(limit()) + " (max-bytes)"};
   }
+  if (auto allowed = jobs_.charge(caller, 0, bytes); !allowed) return std::move(allowed).error();
   const auto entry = std::make_shared<Entry>();
   entry->record.owner = caller.owner;
   v1::Upload& upload = entry->record.upload;
@@ -217,7 +220,7 @@ Result<std::unique_ptr<Uploads::Append>> Uploads::append(const Caller& caller, c
                                                   std::to_string(offset)};
   }
   entry.open = true;
-  return std::unique_ptr<Append>(std::make_unique<OpenAppend>(*this, *found));
+  return std::unique_ptr<Append>(std::make_unique<OpenAppend>(*this, caller, *found));
 }
 
 Result<> Uploads::save(Entry& entry) {

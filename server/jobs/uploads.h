@@ -24,8 +24,7 @@ struct UploadsOptions {
 /// Thread-safe; blocks on the disk.
 class Uploads {
  public:
-  Uploads(Records& records, FileStore& files, const SmoothService& service,
-          const UploadsOptions& options = {});
+  Uploads(Records& records, FileStore& files, const Jobs& jobs, const UploadsOptions& options = {});
 
   /// Takes up what a former server left. Errors: those of Records.
   Result<> start();
@@ -68,7 +67,7 @@ class Uploads {
 
   Records& records_;
   FileStore& files_;
-  const SmoothService& service_;
+  const Jobs& jobs_;
   const UploadsOptions options_;
   mutable std::mutex mutex_;                 ///< guards what follows, and every Entry
   std::map<std::string, EntryPtr> uploads_;  ///< by id

@@ -28,7 +28,7 @@ struct JobsHouse {
         store(setting.store.empty() ? folder / "store" : setting.store),
         jobs(service, runner, spool, lifecycle, metrics, std::move(setting.smooth)),
         durable_jobs(*store.records, *store.files, jobs, setting.durable),
-        uploads(*store.records, *store.files, service) {
+        uploads(*store.records, *store.files, jobs) {
     lifecycle.move_to(LifecycleState::Serving);
     EXPECT_TRUE(uploads.start());
     EXPECT_TRUE(durable_jobs.start());
