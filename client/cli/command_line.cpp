@@ -42,6 +42,7 @@ int run_command_line(int argc, const char* const* argv, const Console& console) 
   add_noise_command(app, chosen);
   add_sample_command(app, chosen);
   add_methods_command(app, chosen);
+  add_bench_command(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <absl/strings/escaping.h>
+#include <spdlog/spdlog.h>
 
 #include "server/http/header_value.h"
 #include "server/http/media_type.h"
@@ -66,9 +67,23 @@ Result<std::string> digest_of(const HttpRequest& request) {
 
 class Taker final : public BodyTaker {
  public:
+  ~Taker() override {
+    if (finished_ || status_ != 201) return;
+    // Nobody has heard of this upload.
+    append_.reset();
+    if (auto gone = uploads_.remove(caller_, upload_.id()); !gone && gone.error().cause != Cause::NotFound)
+      spdlog::warn("upload id={}: {}", upload_.id(), gone.error().message);
+  }
+
   /// `append` null: the upload is complete already, and whatever comes is not needed.
-  Taker(v1::Upload upload, std::unique_ptr<Uploads::Append> append, std::optional<bool> complete, int status)
-      : upload_(std::move(upload)), append_(std::move(append)), complete_(complete), status_(status) {}
+  Taker(Uploads& uploads, Caller caller, v1::Upload upload, std::unique_ptr<Uploads::Append> append,
+        std::optional<bool> complete, int status)
+      : uploads_(uploads),
+        caller_(std::move(caller)),
+        upload_(std::move(upload)),
+        append_(std::move(append)),
+        complete_(complete),
+        status_(status) {}
 
   Result<> take(std::string_view bytes) override {
     came_ = came_ || !bytes.empty();
@@ -76,20 +91,26 @@ class Taker final : public BodyTaker {
   }
 
   Result<HttpResponse> finish() override {
-    if (!append_) return answer(status_, upload_);
+    if (!append_) {
+      finished_ = true;
+      return answer(status_, upload_);
+    }
     // Without a word on it, a first request with bytes brings all of them.
     const bool last = complete_.value_or(status_ == 201 && came_ && upload_.bytes() == 0);
     auto upload = append_->finish(last);
     if (!upload) return std::move(upload).error();
+    finished_ = true;
     return answer(status_, *upload);
   }
 
  private:
+  Uploads& uploads_;
+  const Caller caller_;
   const v1::Upload upload_;
-  const std::unique_ptr<Uploads::Append> append_;
+  std::unique_ptr<Uploads::Append> append_;
   const std::optional<bool> complete_;
   const int status_;
-  bool came_ = false;
+  bool came_ = false, finished_ = false;
 };
 
 }  // namespace
@@ -109,8 +130,8 @@ Result<std::unique_ptr<BodyTaker>> UploadsApi::create(const HttpRequest& request
     if (!opened) return std::move(opened).error();
     append = std::move(opened).value();
   }
-  return std::unique_ptr<BodyTaker>(
-      std::make_unique<Taker>(std::move(upload).value(), std::move(append), *complete, 201));
+  return std::unique_ptr<BodyTaker>(std::make_unique<Taker>(uploads_, caller, std::move(upload).value(),
+                                                            std::move(append), *complete, 201));
 }
 
 Result<std::unique_ptr<BodyTaker>> UploadsApi::append(const HttpRequest& request, const Caller& caller,
@@ -126,8 +147,8 @@ Result<std::unique_ptr<BodyTaker>> UploadsApi::append(const HttpRequest& request
   if (!complete) return complete.error();
   auto append = uploads_.append(caller, id, **offset);
   if (!append) return std::move(append).error();
-  return std::unique_ptr<BodyTaker>(
-      std::make_unique<Taker>(*upload, std::move(append).value(), complete->value_or(false), 200));
+  return std::unique_ptr<BodyTaker>(std::make_unique<Taker>(
+      uploads_, caller, *upload, std::move(append).value(), complete->value_or(false), 200));
 }
 
 Result<HttpResponse> UploadsApi::get(const Caller& caller, const std::string& id) {

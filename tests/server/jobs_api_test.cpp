@@ -290,6 +290,14 @@ TEST(UploadsApi, KeepsWhatCameBeforeTheConnectionBroke) {
   })) << "nobody holds it any more";
 }
 
+TEST(UploadsApi, LeaveNothingBehindThatNobodyHeardOf) {
+  HttpHouse house;
+  EXPECT_EQ(code_of(house.call("POST", "/v1/uploads", std::string(100'001, ' '))), "too_large");
+  EXPECT_EQ(code_of(house.call("POST", "/v1/uploads", "abc", "Upload-Length: 5\r\nUpload-Complete: ?1\r\n")),
+            "bad_request");
+  EXPECT_TRUE(eventually([&] { return house.house.store.files->bytes() == 0; }));
+}
+
 TEST(UploadsApi, SaysWhatIsWrong) {
   HttpHouse house;
   const std::string upload = begun(house, "");

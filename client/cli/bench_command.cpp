@@ -1,0 +1,81 @@
+#include <memory>
+#include <ostream>
+
+#include "client/cli/commands.h"
+#include "client/cli/files.h"
+#include "client/cli/load.h"
+#include "client/cli/place.h"
+#include "client/smoothing_client.h"
+
+namespace burnish::cli {
+namespace {
+
+struct BenchArguments {
+  std::string mesh, method;
+  double duration = 10;
+  LoadOptions load;
+  Place place;
+  bool json = false;
+};
+
+Result<> bench(const BenchArguments& arguments, const Console& console) {
+  Result<std::string> mesh = read_file(arguments.mesh);
+  if (!mesh) return mesh.error();
+  v1::SmoothRequest request;
+  request.set_mesh(std::move(mesh).value());
+  request.mutable_options()->set_method(arguments.method);
+  const client::SmoothingClient client(arguments.place.server);
+  client::CallOptions options = call_options(arguments.place, console);
+  options.retry.attempts = 1;  // a refusal is an outcome
+  // The first call opens the connection, and says what would be wrong with all of them.
+  if (auto first = client.smooth(request, options); !first && first.error().code == grpc::INVALID_ARGUMENT)
+    return error_from(first.error(), arguments.place);
+  LoadOptions load_options = arguments.load;
+  load_options.duration = std::chrono::duration<double>(arguments.duration);
+  const LoadOutcome outcome = load(
+      load_options,
+      [&] {
+        const auto reply = client.smooth(request, options);
+        return reply ? std::string("ok") : reply.error().cause;
+      },
+      console.stop);
+  if (arguments.json) {
+    console.out << load_json(outcome);
+  } else {
+    print_load(console.out, outcome);
+  }
+  if (outcome.latencies.empty())
+    return Error{Cause::Unreachable, "no call was answered by " + arguments.place.server};
+  return {};
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Command& chosen) {
+  auto arguments = std::make_shared<BenchArguments>();
+  CLI::App* command = app.add_subcommand("bench", "Load a server with calls and tell how it bears them");
+  command->add_option("--server", arguments->place.server, "The burnishd at HOST:PORT or unix:PATH (gRPC)")
+      ->required();
+  command->add_option("--mesh", arguments->mesh, "The mesh of every call")->required();
+  command->add_option("--method", arguments->method, "Its method; default: the server's");
+  command->add_option("--concurrency", arguments->load.concurrency, "Calls at once")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--rate", arguments->load.rate,
+          "Calls that are due a second, whether or not others are answered; 0: as fast as answers come")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--duration", arguments->duration, "Seconds")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
+  command->add_option("--timeout", arguments->place.timeout_seconds, "Of each call, in seconds")
+      ->check(CLI::Range(0.001, 1e6));
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->callback([&chosen, arguments] {
+    chosen = [arguments](const Console& console) { return bench(*arguments, console); };
+  });
+}
+
+}  // namespace burnish::cli
