@@ -24,7 +24,8 @@ constexpr int kKeepalivePatienceMs = 20'000;
 constexpr int kFirstReconnectMs = 100;
 constexpr int kLongestReconnectMs = 5'000;
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address,
+                                            const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);  // meshes are far larger than gRPC's default of 4 MB
   arguments.SetMaxSendMessageSize(-1);
@@ -33,7 +34,7 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);  // a long job sends none
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
 std::optional<Error> check_size(std::string_view what, std::size_t bytes) {
@@ -94,7 +95,12 @@ Result<Reply> unary(Call&& call) {
 
 }  // namespace
 
-SmoothingClient::SmoothingClient(const std::string& address) : SmoothingClient(open_channel(address)) {}
+SmoothingClient::SmoothingClient(const std::string& address)
+    : SmoothingClient(open_channel(address, grpc::InsecureChannelCredentials())) {}
+
+SmoothingClient::SmoothingClient(const std::string& address, const TlsOptions& tls)
+    : SmoothingClient(
+          open_channel(address, grpc::SslCredentials({tls.authority, tls.key, tls.certificate}))) {}
 
 SmoothingClient::SmoothingClient(const std::shared_ptr<grpc::Channel>& channel)
     : stub_(v1::SmoothingService::NewStub(channel)) {}

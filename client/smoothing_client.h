@@ -13,12 +13,20 @@
 
 namespace burnish::client {
 
+/// PEM texts, not names of files.
+struct TlsOptions {
+  std::string authority = {};  ///< that the server's certificate comes from; empty: those of the system
+  std::string certificate = {}, key = {};  ///< the caller's own, for servers that ask for one
+};
+
 /// Connects on first use and again after a lost connection. Thread-safe: calls may overlap. Each call blocks
 /// its thread until its answer, its timeout or its stop.
 class SmoothingClient {
  public:
   /// `address` is HOST:PORT, "unix:PATH" or any gRPC name; the connection is not encrypted.
   explicit SmoothingClient(const std::string& address);
+  /// The connection is encrypted.
+  SmoothingClient(const std::string& address, const TlsOptions& tls);
   /// For other credentials. The channel's own limits and keepalive apply.
   explicit SmoothingClient(const std::shared_ptr<grpc::Channel>& channel);
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/run/error.h"
+#include "server/security/tls.h"
 #include "server/service/limits.h"
 
 namespace burnish {
@@ -37,6 +38,7 @@ struct Config {
   std::string ports_file;  ///< gets {"grpc": "HOST:PORT", "http": "HOST:PORT"} once both serve; empty: none
 
   std::string tokens_file;  ///< who may call, as tokens.h reads it; empty: everybody
+  TlsFiles tls;             ///< of both transports; empty: not encrypted
   bool insecure = false;    ///< listen beyond this machine without tokens
 
   unsigned workers = 0;          ///< jobs that run at once; 0 = one per core

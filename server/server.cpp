@@ -90,10 +90,17 @@ Result<std::unique_ptr<Server>> Server::start(const Config& config, SmoothFuncti
     if (!loaded) return std::move(loaded).error();
     tokens = std::move(loaded).value();
   }
+  std::unique_ptr<TlsContexts> tls;
+  if (config.tls.given()) {
+    auto loaded = TlsContexts::load(config.tls);
+    if (!loaded) return std::move(loaded).error();
+    tls = std::move(loaded).value();
+  }
   auto store = open_store(config);
   if (!store) return std::move(store).error();
   auto server = std::unique_ptr<Server>(
       new Server(config, std::move(store).value(), std::move(tokens), std::move(smooth)));
+  server->tls_ = std::move(tls);
   if (auto opened = server->open(config); !opened) return std::move(opened).error();
   return server;
 }
@@ -119,7 +126,9 @@ Result<Server::Store> Server::open_store(const Config& config) {
 
 Result<> Server::open(const Config& config) {
   if (auto usable = spool_.check(); !usable) return usable;
-  auto http = HttpServer::start(http_options(config), gateway_, jobs_);
+  HttpServerOptions http_settings = http_options(config);
+  http_settings.tls = tls_.get();
+  auto http = HttpServer::start(http_settings, gateway_, jobs_);
   if (!http) return std::move(http).error();
   http_ = std::move(http).value();
   auto grpc = GrpcServer::start(config, jobs_, durable_jobs_, uploads_);
@@ -156,6 +165,7 @@ void Server::watch(const std::stop_token& stop) {
   while (!stopped.wait_for(lock, stop, kHealthTick, [&stop] { return stop.stop_requested(); })) {
     tell_health();
     if (tokens_) tokens_->reload_if_changed();
+    if (tls_) tls_->reload_if_changed();
     if (const auto now = runner_.ended(); now != ended) {
       ended = now;
       trims = 0;

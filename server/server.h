@@ -54,6 +54,7 @@ class Server {
   void keep_house(const std::stop_token& stop);
 
   const std::unique_ptr<Tokens> tokens_;  ///< null: whoever reaches the ports may call
+  std::unique_ptr<TlsContexts> tls_;      ///< null: the ports are not encrypted
   Lifecycle lifecycle_;
   Metrics metrics_;
   SmoothService service_;

@@ -24,18 +24,19 @@ Result<> bench(const BenchArguments& arguments, const Console& console) {
   v1::SmoothRequest request;
   request.set_mesh(std::move(mesh).value());
   request.mutable_options()->set_method(arguments.method);
-  const client::SmoothingClient client(arguments.place.server);
+  const auto client = connect(arguments.place);
+  if (!client) return client.error();
   client::CallOptions options = call_options(arguments.place, console);
   options.retry.attempts = 1;  // a refusal is an outcome
   // The first call opens the connection, and says what would be wrong with all of them.
-  if (auto first = client.smooth(request, options); !first && first.error().code == grpc::INVALID_ARGUMENT)
+  if (auto first = client->smooth(request, options); !first && first.error().code == grpc::INVALID_ARGUMENT)
     return error_from(first.error(), arguments.place);
   LoadOptions load_options = arguments.load;
   load_options.duration = std::chrono::duration<double>(arguments.duration);
   const LoadOutcome outcome = load(
       load_options,
       [&] {
-        const auto reply = client.smooth(request, options);
+        const auto reply = client->smooth(request, options);
         return reply ? std::string("ok") : reply.error().cause;
       },
       console.stop);
@@ -56,6 +57,7 @@ void add_bench_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("bench", "Load a server with calls and tell how it bears them");
   command->add_option("--server", arguments->place.server, "The burnishd at HOST:PORT or unix:PATH (gRPC)")
       ->required();
+  add_tls(command, arguments->place);
   command->add_option("--mesh", arguments->mesh, "The mesh of every call")->required();
   command->add_option("--method", arguments->method, "Its method; default: the server's");
   command->add_option("--concurrency", arguments->load.concurrency, "Calls at once")

@@ -29,7 +29,9 @@ Result<v1::CompareResponse> compare_there(std::string reference, std::string mes
   v1::CompareRequest request;
   request.set_reference(std::move(reference));
   request.set_mesh(std::move(mesh));
-  auto reply = client::SmoothingClient(place.server).compare(request, call_options(place, console));
+  const auto client = connect(place);
+  if (!client) return client.error();
+  auto reply = client->compare(request, call_options(place, console));
   if (!reply) return error_from(reply.error(), place);
   return std::move(*reply);
 }

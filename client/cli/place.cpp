@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "client/cli/files.h"
 #include "server/status_map.h"
 
 namespace burnish::cli {
@@ -23,12 +24,38 @@ void add_place(CLI::App* command, Place& place) {
       ->check(CLI::Range(0, 1000))
       ->capture_default_str()
       ->needs(server);
+  add_tls(command, place);
   command->add_flag("--local")->description("Do it in this process (default)")->excludes(server);
   command->add_option("--threads", place.threads, "Threads of the local mode; 0 = all cores")
       ->capture_default_str()
       ->excludes(server);
   command->add_option("--timeout", place.timeout_seconds, "Give up after this many seconds")
       ->check(CLI::Range(0.001, 1e6));
+}
+
+void add_tls(CLI::App* command, Place& place) {
+  command->add_option("--tls-ca", place.tls_ca,
+                      "Encrypt; PEM file of the authority of the server's certificate");
+  CLI::Option* certificate =
+      command->add_option("--tls-certificate", place.tls_certificate,
+                          "PEM file: your own certificate, where the server asks for one");
+  command->add_option("--tls-key", place.tls_key, "PEM file: its key")->needs(certificate);
+}
+
+Result<client::SmoothingClient> connect(const Place& place) {
+  client::TlsOptions tls;
+  bool encrypted = false;
+  for (const auto& [path, text] :
+       {std::pair(&place.tls_ca, &tls.authority), std::pair(&place.tls_certificate, &tls.certificate),
+        std::pair(&place.tls_key, &tls.key)}) {
+    if (path->empty()) continue;
+    encrypted = true;
+    auto read = read_file(*path);
+    if (!read) return std::move(read).error();
+    *text = std::move(read).value();
+  }
+  if (!encrypted) return client::SmoothingClient(place.server);
+  return client::SmoothingClient(place.server, tls);
 }
 
 RunControl run_control(const Place& place, const Console& console) {

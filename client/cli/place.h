@@ -8,6 +8,8 @@
 #include "client/call_options.h"
 #include "client/cli/console.h"
 #include "client/result.h"
+#include "client/smoothing_client.h"
+#include "core/run/error.h"
 #include "core/run/run_control.h"
 
 namespace burnish::cli {
@@ -15,6 +17,7 @@ namespace burnish::cli {
 struct Place {
   std::string server;  ///< HOST:PORT or unix:PATH; empty: in this process
   unsigned threads = 0;
+  std::string tls_ca, tls_certificate, tls_key;  ///< files; all empty: the connection is not encrypted
   int retries = 3;
   std::optional<double> timeout_seconds;
 };
@@ -26,6 +29,10 @@ RunControl run_control(const Place& place, const Console& console);
 
 /// For work by the server.
 client::CallOptions call_options(const Place& place, const Console& console);
+
+/// To place.server. Errors: FileError.
+Result<client::SmoothingClient> connect(const Place& place);
+void add_tls(CLI::App* command, Place& place);
 
 /// The server's error as the command line's own.
 Error error_from(const client::Error& error, const Place& place);

@@ -133,7 +133,9 @@ Result<Smoothed> smooth_there(const SmoothArguments& arguments, Inputs inputs, v
   if (console.err_is_terminal) {
     call.progress = [&bar](const v1::SmoothProgress& now) { bar.show(now.stage(), now.fraction()); };
   }
-  auto reply = client::SmoothingClient(arguments.place.server).smooth(request, call);
+  const auto client = connect(arguments.place);
+  if (!client) return client.error();
+  auto reply = client->smooth(request, call);
   if (!reply) return error_from(reply.error(), arguments.place);
   return Smoothed{std::move(*reply->mutable_mesh()), std::move(*reply->mutable_report())};
 }

@@ -7,6 +7,9 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/security/tls_certificate_provider.h>
+#include <grpcpp/security/tls_credentials_options.h>
 
 #include "server/unix_socket.h"
 
@@ -17,6 +20,7 @@ constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 /// For clients to close their connections themselves. Some never do: those that watch health, or do not poll.
 constexpr std::chrono::milliseconds kGoodbye{250};
 constexpr int kMaxMetadataBytes = 16 * 1024;
+constexpr unsigned kReadFilesEverySeconds = 1;
 constexpr int kMostThreads = 512;  // of the synchronous services; more calls are refused
 
 // A silent peer is asked after a minute and given up 20 s later. Clients may ask every 30 s, with some slack.
@@ -55,6 +59,23 @@ void set_compression(grpc::ServerBuilder& builder, bool compress_answers) {
   if (compress_answers) builder.SetDefaultCompressionLevel(GRPC_COMPRESS_LEVEL_LOW);
 }
 
+/// Reads the files again by itself when they change.
+std::shared_ptr<grpc::ServerCredentials> credentials(const TlsFiles& files) {
+  if (!files.given()) return grpc::InsecureServerCredentials();
+  namespace tls = grpc::experimental;
+  const bool mutual = !files.client_ca.empty();
+  const auto provider = mutual ? std::make_shared<tls::FileWatcherCertificateProvider>(
+                                     files.key, files.certificate, files.client_ca, kReadFilesEverySeconds)
+                               : std::make_shared<tls::FileWatcherCertificateProvider>(
+                                     files.key, files.certificate, kReadFilesEverySeconds);
+  tls::TlsServerCredentialsOptions options(provider);
+  options.watch_identity_key_cert_pairs();
+  if (mutual) options.watch_root_certs();
+  options.set_cert_request_type(mutual ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
+                                       : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
+  return tls::TlsServerCredentials(options);
+}
+
 Error cannot_listen(const Address& address) {
   return {Cause::BadOption, "cannot listen on " + address.text() +
                                 " for gRPC: the address is in use or not one of this machine's"};
@@ -76,7 +97,7 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(const Config& config, Jobs
   auto result = std::unique_ptr<GrpcServer>(new GrpcServer(jobs, durable_jobs, uploads, limits));
   grpc::ServerBuilder builder;
   int port = 0;
-  builder.AddListeningPort(config.grpc_listen.text(), grpc::InsecureServerCredentials(), &port);
+  builder.AddListeningPort(config.grpc_listen.text(), credentials(config.tls), &port);
   builder.RegisterService(&result->handler_);
   builder.RegisterService(&result->jobs_handler_);
   builder.RegisterService(&result->uploads_handler_);

@@ -9,6 +9,7 @@
 #include "server/http/connection_threads.h"
 #include "server/http/conversation.h"
 #include "server/http/listener.h"
+#include "server/http/tls_connection.h"
 
 namespace burnish {
 
@@ -36,6 +37,7 @@ struct HttpServer::Impl {
                 .spool = jobs.spool(),
                 .limits = jobs.limits(),
                 .patience = options.patience},
+        tls(options.tls),
         max_connections(options.max_connections),
         threads(options.max_connections) {
     [[maybe_unused]] static const bool filled = fill_character_cache();
@@ -47,6 +49,7 @@ struct HttpServer::Impl {
   void abort_all();
 
   const ConversationContext context;
+  const TlsContexts* const tls;
   const std::size_t max_connections;
   StopEvent stopping;
   std::unique_ptr<Listener> listener;
@@ -69,7 +72,12 @@ void HttpServer::Impl::serve(int socket) {
     const std::lock_guard lock(mutex);
     connections.insert(&connection);
   }
-  converse(connection, context);
+  if (!tls) {
+    converse(connection, context);
+  } else if (TlsConnection encrypted(connection, tls->current());
+             encrypted.handshake(Connection::Clock::now() + context.patience.head)) {
+    converse(encrypted, context);
+  }
   const std::lock_guard lock(mutex);
   connections.erase(&connection);
 }

@@ -17,6 +17,7 @@ struct HttpServerOptions {
   Address listen = {};
   std::size_t max_connections = 1024;  ///< at once, each with a thread; more hear queue_full and are closed
   HttpPatience patience = {};
+  const TlsContexts* tls = nullptr;  ///< must outlive the server; null: not encrypted
 };
 
 HttpServerOptions http_options(const Config& config);
