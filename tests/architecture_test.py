@@ -13,6 +13,8 @@ FORBIDDEN = {
     "core": r"(server|client|tests|burnish/v1|grpc|grpcpp|google|httplib|spdlog|prometheus|nlohmann)",
     "server/service": r"(client|server/(grpc|http|jobs|observe)|grpc|grpcpp|httplib)",
     "server/jobs": r"(client|server/(grpc|http)/|grpc|grpcpp|httplib)",
+    "server/store": r"(client|server/(grpc|http|jobs|service|observe)|grpc|grpcpp|httplib)",
+    "server/security": r"(client|server/(grpc|jobs|service)|grpc|grpcpp|httplib)",
     "server/grpc": r"(client|server/http|httplib)",
     "server/http": r"(client|server/grpc|grpc|grpcpp)",
     "client/*": r"(core|server|client/cli|httplib|draco)",
