@@ -147,6 +147,7 @@ void DurableJobs::stop() {
     stopping_ = true;
     changed_.notify_all();
   }
+  const std::lock_guard joining(join_mutex_);
   if (dispatcher_.joinable()) dispatcher_.join();
 }
 
@@ -211,7 +212,7 @@ Result<> DurableJobs::check(const Caller& caller, const Submission& submission, 
       return Error{Cause::TooLarge, "a job's meshes have at most " + std::to_string(kLargestFile) + " bytes"};
   }
   // That it cannot run now is no reason to refuse a job that waits; that it never can is one.
-  const auto fits = jobs_.expect(caller, mesh_bytes, reference_bytes);
+  auto fits = jobs_.expect(caller, mesh_bytes, reference_bytes);
   const bool never =
       !fits && (fits.error().cause == Cause::TooLarge || fits.error().cause == Cause::ShuttingDown);
   if (never) return fits;

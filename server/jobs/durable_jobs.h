@@ -136,6 +136,7 @@ class DurableJobs {
   std::set<std::pair<std::string, std::string>> busy_keys_;  ///< owner and key of requests being received
   bool stopping_ = false;
   std::atomic<std::uint64_t> cache_hits_ = 0, cache_misses_ = 0;
+  std::mutex join_mutex_;  ///< one stop() joins, others wait for it
   std::jthread dispatcher_;
 };
 

@@ -162,7 +162,7 @@ Result<v1::Upload> Uploads::create(const Caller& caller, std::uint64_t bytes, co
 Result<bool> Uploads::fill_if_known(Entry& entry) {
   v1::Upload& upload = entry.record.upload;
   if (upload.sha256().empty()) return false;
-  const auto known = records_.has_mesh(entry.record.owner, upload.sha256());
+  auto known = records_.has_mesh(entry.record.owner, upload.sha256());
   if (!known || !*known) return known;
   const auto content = files_.map(upload.sha256());
   if (!content) return false;

@@ -43,7 +43,8 @@ Result<TokenHolder> holder_of(const Json& entry, const std::string& place) {
   if (!entry.is_object()) return wrong(place, "is not an object");
   TokenHolder holder;
   for (const auto& [key, value] : entry.items()) {
-    const std::string at = place + "." + key;
+    std::string at = place;
+    at.append(".").append(key);
     if (key == "name" || key == "sha256") {
       if (!value.is_string()) return wrong(at, "is not a string");
       (key == "name" ? holder.name : holder.sha256) = value.get<std::string>();
