@@ -22,6 +22,7 @@ class House {
   testing::JobsHouse house_;
   Gateway gateway_;
   std::unique_ptr<HttpServer> server_;
+  unsigned inputs_ = 0;
 };
 
 /// One for all inputs.

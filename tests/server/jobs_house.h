@@ -1,9 +1,8 @@
 // The jobs with everything behind them, as Server wires them up, and no transport.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <chrono>
+#include <stdexcept>
 #include <utility>
 
 #include "server/jobs/durable_jobs.h"
@@ -30,8 +29,7 @@ struct JobsHouse {
         durable_jobs(*store.records, *store.files, jobs, setting.durable),
         uploads(*store.records, *store.files, jobs) {
     lifecycle.move_to(LifecycleState::Serving);
-    EXPECT_TRUE(uploads.start());
-    EXPECT_TRUE(durable_jobs.start());
+    if (!uploads.start() || !durable_jobs.start()) throw std::runtime_error("the store does not open");
   }
   ~JobsHouse() {
     durable_jobs.stop();
