@@ -41,9 +41,10 @@ struct Config {
   TlsFiles tls;             ///< of both transports; empty: not encrypted
   bool insecure = false;    ///< listen beyond this machine without tokens
 
-  unsigned workers = 0;          ///< jobs that run at once; 0 = one per core
-  std::uint32_t queue = 64;      ///< jobs that may wait
-  unsigned threads = 0;          ///< cores for a job that is alone; 0 = all
+  unsigned workers = 0;                     ///< jobs that run at once; 0 = one per core
+  std::uint32_t queue = 64;                 ///< jobs that may wait
+  std::chrono::seconds queue_seconds{600};  ///< of one core that they are expected to take; 0 = any
+  unsigned threads = 0;                     ///< cores for a job that is alone; 0 = all
   std::uint64_t max_memory = 0;  ///< estimated bytes of all accepted jobs; 0 = half of the memory there is
   std::string spool_folder;      ///< for request bodies over 2 MiB; empty: the system's temporary folder
   std::uint64_t max_spool_bytes = std::uint64_t{8} << 30;  ///< of all request bodies together
@@ -52,6 +53,7 @@ struct Config {
       store_folder;  ///< for jobs, uploads and results; empty: a temporary one that goes with the server
   std::uint64_t max_store_bytes = std::uint64_t{64} << 30;  ///< of all files in it
   std::uint32_t max_jobs = 10'000;                          ///< kept jobs that have not ended
+  std::chrono::seconds jobs_seconds{7 * 24 * 3600};         ///< of one core that they are expected to take
   std::chrono::seconds keep{24 * 3600};                     ///< for ended jobs, results, meshes and uploads
 
   RequestLimits limits;                                    ///< --max-bytes, --max-vertices, ...

@@ -195,6 +195,8 @@ std::vector<Setting> job_settings(Config& config) {
   return {
       number("workers", config.workers, 0, 1024, "jobs that run at once; 0: one per core"),
       number("queue", config.queue, 0, 65536, "jobs that may wait; more are refused at once"),
+      seconds("queue-seconds", config.queue_seconds, 0, 365 * 86400,
+              "of one core that the jobs at hand may be expected to take; 0: any"),
       number("threads", config.threads, 0, 1024, "cores for a job that is alone; 0: all"),
       size("max-memory", config.max_memory, 0, 1024 * kTi,
            "estimated memory of all accepted jobs; 0: half of what there is"),
@@ -206,6 +208,8 @@ std::vector<Setting> job_settings(Config& config) {
            "for jobs, uploads and results; default: the state folder of the user"),
       size("max-store-bytes", config.max_store_bytes, 1, 1024 * kTi, "all files in the store, together"),
       number("max-jobs", config.max_jobs, 1, 1'000'000, "kept jobs that have not ended"),
+      seconds("jobs-seconds", config.jobs_seconds, 1, 365 * 86400,
+              "of one core that kept jobs may be expected to take"),
       seconds("keep-seconds", config.keep, 1, 365 * 86400,
               "for how long ended jobs, results, meshes and uploads are kept"),
       seconds("max-seconds", config.longest_run, 1, 86400, "longest run of one job"),

@@ -63,13 +63,14 @@ Server::Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens
       spool_({.folder = config.spool_folder, .max_bytes = config.max_spool_bytes}),
       runner_({.workers = config.workers,
                .queue = config.queue,
+               .queue_seconds = config.queue_seconds,
                .threads = config.threads,
                .max_memory = config.max_memory ? config.max_memory : usable_memory() / 2,
                .longest_run = config.longest_run}),
       store_(std::move(store)),
       jobs_(service_, runner_, spool_, lifecycle_, metrics_, std::move(smooth)),
       durable_jobs_(*store_.records, *store_.files, jobs_,
-                    {.max_jobs = config.max_jobs, .keep = config.keep}),
+                    {.max_jobs = config.max_jobs, .max_seconds = config.jobs_seconds, .keep = config.keep}),
       uploads_(*store_.records, *store_.files, jobs_, {.keep = config.keep}),
       gateway_(jobs_, durable_jobs_, uploads_, {.cors_origins = config.cors_origins}) {
   jobs_.ask_for(tokens_.get());

@@ -37,6 +37,7 @@ Result<Submission> submission_of(const v1::SubmitJobRequest& request) {
   submission.options = request.options();
   if (request.priority() == v1::JOB_PRIORITY_LOW) submission.priority = v1::JOB_PRIORITY_LOW;
   submission.idempotency_key = request.idempotency_key();
+  if (request.timeout_ms() > 0) submission.timeout = milliseconds(request.timeout_ms());
   return submission;
 }
 

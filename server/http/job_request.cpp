@@ -226,6 +226,9 @@ Result<Submission> read_submission(const HttpRequest& request, const SmoothServi
       submission.mesh.format = *format;
     }
   }
+  const auto timeout = parse_timeout(rest.query);
+  if (!timeout) return timeout.error();
+  submission.timeout = *timeout;
   const auto priority = priority_of(words.priority);
   if (!priority) return priority.error();
   submission.priority = *priority;

@@ -17,7 +17,7 @@
 #include <thread>
 
 #include "burnish/v1/jobs.pb.h"
-#include "server/jobs/job_line.h"
+#include "server/jobs/fair_line.h"
 #include "server/jobs/jobs.h"
 #include "server/store/file_store.h"
 #include "server/store/records.h"
@@ -38,12 +38,14 @@ struct Submission {
   v1::SmoothOptions options = {};
   v1::JobPriority priority = v1::JOB_PRIORITY_NORMAL;
   std::string idempotency_key = {};
+  std::optional<std::chrono::milliseconds> timeout = {};  ///< until it must have ended
 };
 
 struct DurableJobsOptions {
-  std::uint32_t max_jobs = 10'000;       ///< that have not ended
-  std::chrono::seconds keep{24 * 3600};  ///< ended jobs, results, meshes and uploads
-  std::uint32_t most_starts = 5;         ///< of a job, before it is taken for what ends the server
+  std::uint32_t max_jobs = 10'000;                  ///< that have not ended
+  std::chrono::seconds max_seconds{7 * 24 * 3600};  ///< of one core that they are expected to take
+  std::chrono::seconds keep{24 * 3600};             ///< ended jobs, results, meshes and uploads
+  std::uint32_t most_starts = 5;                    ///< of a job, before it is taken for what ends the server
 };
 
 /// Thread-safe; blocks on the disk, except where said. Its arguments must outlive it, and stop() must have
@@ -61,8 +63,8 @@ class DurableJobs {
   Result<> start();
 
   /// Keeps the meshes and the job. Errors: those of SmoothService::check(), NotFound for a SHA-256 that the
-  /// owner does not have, QueueFull with a time, StorageFull, IdempotencyKeyReused, IdempotencyKeyBusy,
-  /// ShuttingDown.
+  /// owner does not have, QueueFull with a time, DeadlineExceeded for a timeout that the jobs at hand are
+  /// expected to pass, StorageFull, IdempotencyKeyReused, IdempotencyKeyBusy, ShuttingDown.
   Result<v1::Job> submit(const Caller& caller, Submission submission);
 
   /// All of these: NotFound also for a job of another owner, Expired for one whose time is over.
@@ -102,20 +104,28 @@ class DurableJobs {
   struct Entry;
   using EntryPtr = std::shared_ptr<Entry>;
   struct Watching;
+  struct Prepared;
 
   Result<std::string> keep_mesh(const Caller& caller, const SubmittedMesh& mesh, const std::string& sha256,
                                 const std::string& field);
   Result<std::string> hash_of(const Caller& caller, const SubmittedMesh& mesh, const std::string& field);
-  Result<> check(const Caller& caller, const Submission& submission, std::uint64_t mesh_bytes,
-                 std::uint64_t reference_bytes) const;
+  Result<> check(const Caller& caller, const Submission& submission, const SmoothJob& job) const;
+  Result<> check_line(const Caller& caller, const Submission& submission, double seconds) const;
   Result<v1::Job> accept(const Caller& caller, const Submission& submission, const std::string& mesh,
                          const std::string& reference, const std::string& request_hash);
   Result<bool> reuse_result(JobRecord& record);
   void end_now(JobRecord& record, v1::JobState state) const;
   Result<JobRecord> find(const Caller& caller, const std::string& id);
   void dispatch();
-  bool start_next(std::unique_lock<std::mutex>& lock);
-  void run(const EntryPtr& entry);
+  void enqueue(const EntryPtr& entry, bool first);
+  void leave_line(const EntryPtr& entry);
+  void left_line(const EntryPtr& entry);
+  void end_late_jobs();
+  void start_next(std::unique_lock<std::mutex>& lock);
+  Result<Prepared> prepare(const EntryPtr& entry) const;
+  double seconds_before(const Turn& turn) const;
+  std::chrono::milliseconds next_end() const;
+  void run(const EntryPtr& entry, Prepared prepared);
   void ended(const EntryPtr& entry, Result<SmoothResult> result);
   Result<> keep_result(JobRecord& record, SmoothResult& result);
   void put_back(const EntryPtr& entry, std::chrono::milliseconds delay);
@@ -129,10 +139,11 @@ class DurableJobs {
   mutable std::mutex mutex_;  ///< guards what follows, and every Entry
   std::condition_variable changed_;
   std::map<std::string, EntryPtr> active_;  ///< by id: those that have not ended
-  JobLine line_;
+  FairLine<std::string> line_;              ///< ids of those that are QUEUED
+  double line_seconds_ = 0;                 ///< of one core that they are expected to take
+  std::set<std::pair<Clock::time_point, std::string>> deadlines_;  ///< and ids, of those that have one
   std::size_t in_runner_ = 0;
   Clock::time_point not_before_ = {};                        ///< of the next start
-  double seconds_per_job_ = 1;                               ///< of the last few
   std::set<std::pair<std::string, std::string>> busy_keys_;  ///< owner and key of requests being received
   bool stopping_ = false;
   std::atomic<std::uint64_t> cache_hits_ = 0, cache_misses_ = 0;

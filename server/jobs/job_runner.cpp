@@ -22,6 +22,7 @@ constexpr std::chrono::seconds kMissedTicks{10};  // after which it counts as st
 /// and a refusal must not be.
 constexpr double kSurely = 0.5;
 constexpr std::chrono::minutes kFarthestTurn{1};
+constexpr std::chrono::seconds kClaim{1};  // of memory by a kept job; it asks again sooner
 
 JobRunnerOptions with_workers(JobRunnerOptions options) {
   if (options.workers == 0) options.workers = std::max(1u, std::thread::hardware_concurrency());
@@ -48,6 +49,8 @@ Error deadline_while_queued() {
 
 struct JobHandle::Job {
   JobWork work;
+  Turn turn;  ///< copies: `work` goes before the lock is taken
+  bool kept = false;
   JobCost cost;
   RunControl::Clock::time_point deadline = kNever;
   RunControl::Clock::time_point queued_at = {};
@@ -69,14 +72,21 @@ JobRunner::~JobRunner() { drain(std::chrono::milliseconds::zero()); }
 Result<JobHandle> JobRunner::submit(JobWork work, const JobCost& cost,
                                     std::optional<Clock::time_point> deadline) {
   auto job = std::make_shared<JobHandle::Job>();
+  job->turn = work.turn;
+  job->kept = work.kept;
   job->work = std::move(work);
   job->cost = cost;
   job->deadline = deadline.value_or(kNever);
   job->queued_at = Clock::now();
 
   const std::lock_guard lock(mutex_);
-  if (auto admitted = admit(cost, deadline); !admitted) return std::move(admitted).error();
-  queue_.push_back(job);
+  const auto admitted = admit(cost, deadline, job->turn, job->kept);
+  if (!admitted) return admitted.error();
+  if (job->kept) {
+    ++kept_waiting_;
+    claimed_ = 0;
+  }
+  queue_.push_back(job->turn, job);
   reserved_ += cost.bytes;
   ++pending_;
   job_waits_.notify_one();
@@ -84,12 +94,14 @@ Result<JobHandle> JobRunner::submit(JobWork work, const JobCost& cost,
   return JobHandle(std::move(job), this);
 }
 
-Result<> JobRunner::would_take(const JobCost& cost, std::optional<Clock::time_point> deadline) {
+Result<> JobRunner::would_take(const JobCost& cost, std::optional<Clock::time_point> deadline,
+                               const Turn& turn, bool kept) {
   const std::lock_guard lock(mutex_);
-  return admit(cost, deadline);
+  return admit(cost, deadline, turn, kept);
 }
 
-Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> deadline) {
+Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> deadline, const Turn& turn,
+                          bool kept) {
   if (drain_until_) return Error{Cause::ShuttingDown, "the server is shutting down"};
   if (cost.bytes > options_.max_memory) {
     return Error{
@@ -97,20 +109,12 @@ Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> 
         fmt::format("the request is expected to need {} bytes of memory; the limit is {} (max-memory)",
                     cost.bytes, options_.max_memory)};
   }
-  if (queue_.size() >= options_.queue + options_.workers - running_.size()) {
-    return Error{Cause::QueueFull,
-                 fmt::format("every worker is busy and {} jobs wait (queue); try again later", queue_.size()),
-                 "", next_turn()};
+  if (!kept) {
+    if (auto place = admit_to_queue(cost, turn); !place) return place;
   }
-  if (reserved_ > options_.max_memory - cost.bytes) {
-    return Error{
-        Cause::MemoryFull,
-        fmt::format("the jobs at hand need {} of {} bytes (max-memory) and this one {}; try again later",
-                    reserved_, options_.max_memory, cost.bytes),
-        "", next_turn()};
-  }
+  if (auto room = admit_to_memory(cost, kept); !room) return room;
   const auto own = pace_.expect(cost.work);
-  const Seconds needed = expected_wait() + own.value_or(Seconds::zero());
+  const Seconds needed = expected_wait(turn) + own.value_or(Seconds::zero());
   if (deadline && own &&
       Clock::now() + std::chrono::duration_cast<Clock::duration>(kSurely * needed) > *deadline) {
     return Error{Cause::DeadlineExceeded,
@@ -121,15 +125,79 @@ Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> 
   return {};
 }
 
-/// Until a worker is free for one more job.
-JobRunner::Seconds JobRunner::expected_wait() const {
-  if (running_.size() + queue_.size() < options_.workers) return Seconds::zero();
-  const auto expected = [this](const JobPtr& job) { return pace_.expect(job->cost.work).value_or(1s); };
+/// By count, by share and by time.
+Result<> JobRunner::admit_to_queue(const JobCost& cost, const Turn& turn) {
+  const std::size_t waiting = queue_.size() - kept_waiting_;
+  const std::size_t places = options_.queue + options_.workers - running_.size();
+  if (waiting >= places) {
+    return Error{Cause::QueueFull,
+                 fmt::format("every worker is busy and {} jobs wait (queue); try again later", waiting), "",
+                 next_turn()};
+  }
+  // Dynamic thresholds (Choudhury and Hahne 1998): nobody can take all places, and nobody's are held free.
+  if (const std::size_t own = queue_.size_of(turn.owner); !turn.owner.empty() && own >= places - waiting) {
+    return Error{
+        Cause::QueueFull,
+        fmt::format("{} jobs of this caller wait, as many as there are places left for others (queue); "
+                    "try again later",
+                    own),
+        "", next_turn()};
+  }
+  const Seconds before = backlog();
+  if (options_.queue_seconds > 0s && running_.size() + waiting >= options_.workers &&
+      before + pace_.expect(cost.work).value_or(Seconds::zero()) > options_.queue_seconds) {
+    return Error{
+        Cause::QueueFull,
+        fmt::format("the jobs at hand are expected to take {:.0f} s (queue-seconds); try again later",
+                    before.count()),
+        "", next_turn()};
+  }
+  return {};
+}
+
+Result<> JobRunner::admit_to_memory(const JobCost& cost, bool kept) {
+  const std::uint64_t claimed = kept || Clock::now() > claimed_until_ ? 0 : claimed_;
+  if (reserved_ + claimed <= options_.max_memory - cost.bytes) return {};
+  if (kept) {
+    claimed_ = cost.bytes;
+    claimed_until_ = Clock::now() + kClaim;
+  }
+  return Error{
+      Cause::MemoryFull,
+      fmt::format("the jobs at hand need {} of {} bytes (max-memory) and this one {}; try again later",
+                  reserved_ + claimed, options_.max_memory, cost.bytes),
+      "", next_turn()};
+}
+
+std::chrono::duration<double> JobRunner::expected_seconds(double work) const {
+  const std::lock_guard lock(mutex_);
+  return pace_.expect(work).value_or(Seconds(work));
+}
+
+JobRunner::Seconds JobRunner::expected(const JobPtr& job) const {
+  return pace_.expect(job->cost.work).value_or(1s);
+}
+
+/// That those that run will still take.
+JobRunner::Seconds JobRunner::running_seconds() const {
   const auto now = Clock::now();
   Seconds sum{};
-  for (const JobPtr& job : queue_) sum += expected(job);
   for (const JobPtr& job : running_)
     sum += std::max(Seconds::zero(), expected(job) - Seconds(now - job->started_at));
+  return sum;
+}
+
+JobRunner::Seconds JobRunner::backlog() const {
+  Seconds sum = running_seconds();
+  queue_.for_each([&](const JobPtr& job) { sum += expected(job); });
+  return sum;
+}
+
+/// Until a worker is free for one more job of this owner.
+JobRunner::Seconds JobRunner::expected_wait(const Turn& turn) const {
+  if (running_.size() + queue_.size() < options_.workers) return Seconds::zero();
+  Seconds sum = running_seconds();
+  queue_.for_each_before(turn, [&](const JobPtr& job) { sum += expected(job); });
   return sum / options_.workers;
 }
 
@@ -137,7 +205,7 @@ JobRunner::Seconds JobRunner::expected_wait() const {
 /// before: all at once they would be refused again.
 milliseconds JobRunner::next_turn() {
   const auto now = Clock::now();
-  const Seconds wait = expected_wait();
+  const Seconds wait = backlog() / options_.workers;
   const Seconds each = wait / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
   const auto steps = [](Seconds seconds) { return std::chrono::duration_cast<Clock::duration>(seconds); };
   next_turn_ = std::max(next_turn_ + steps(each), now + steps(wait));
@@ -166,8 +234,10 @@ void JobRunner::wait_for_jobs(std::unique_lock<std::mutex>& lock) {
     job_ended_.wait_until(lock, until);
   }
   for (const JobPtr& job : running_) job->stop.request_stop();
-  refuse(lock, {queue_.begin(), queue_.end()},
-         {Cause::ShuttingDown, "the server shut down before the job could start"});
+  std::vector<JobPtr> waiting;
+  while (auto job = queue_.pop()) waiting.push_back(*std::move(job));
+  kept_waiting_ = 0;
+  refuse(lock, std::move(waiting), {Cause::ShuttingDown, "the server shut down before the job could start"});
   job_ended_.wait(lock, [this] { return pending_ == 0; });
 }
 
@@ -201,11 +271,11 @@ void JobRunner::work() {
   for (;;) {
     job_waits_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
     if (queue_.empty()) return;
-    const JobPtr job = queue_.front();
+    const JobPtr job = queue_.pop().value();
+    if (job->kept) --kept_waiting_;
     if (job->deadline <= Clock::now()) {
       refuse(lock, {job}, deadline_while_queued());
     } else {
-      queue_.pop_front();
       run_one(lock, job);
     }
   }
@@ -240,9 +310,15 @@ void JobRunner::release(const JobPtr& job) {
   job_ended_.notify_all();
 }
 
-/// Takes those of `jobs` that still wait out of the queue and refuses them without the lock.
+/// Out of the queue; false when it waits no more.
+bool JobRunner::take_out(const JobPtr& job) {
+  if (!queue_.remove(job->turn, job)) return false;
+  if (job->kept) --kept_waiting_;
+  return true;
+}
+
+/// Refuses jobs that have left the queue, without the lock.
 void JobRunner::refuse(std::unique_lock<std::mutex>& lock, std::vector<JobPtr> jobs, const Error& error) {
-  std::erase_if(jobs, [this](const JobPtr& job) { return std::erase(queue_, job) == 0; });
   lock.unlock();
   for (const JobPtr& job : jobs) {
     call_guarded([&] { job->work.refuse(error); });
@@ -256,7 +332,7 @@ void JobRunner::cancel(const JobPtr& job) {
   job->stop.request_stop();
   std::unique_lock lock(mutex_);
   job->overdue_from = std::min(job->overdue_from, Clock::now());
-  refuse(lock, {job}, {Cause::Cancelled, "the caller cancelled the job"});
+  if (take_out(job)) refuse(lock, {job}, {Cause::Cancelled, "the caller cancelled the job"});
 }
 
 /// Refuses waiting jobs at their deadlines and watches the workers.
@@ -270,13 +346,14 @@ void JobRunner::keep_house() {
         [now, overrun = options_.overrun](const JobPtr& job) { return now - overrun > job->overdue_from; }));
     auto next = now + kTick;
     std::vector<JobPtr> expired;
-    for (const JobPtr& job : queue_) {
+    queue_.for_each([&](const JobPtr& job) {
       if (job->deadline <= now) {
         expired.push_back(job);
       } else {
         next = std::min(next, job->deadline);
       }
-    }
+    });
+    for (const JobPtr& job : expired) take_out(job);
     if (!expired.empty()) {
       refuse(lock, std::move(expired), deadline_while_queued());
     } else {

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "core/run/run_control.h"
+#include "server/jobs/fair_line.h"
 #include "server/jobs/pace.h"
 
 namespace burnish {
@@ -25,6 +25,10 @@ namespace burnish {
 struct JobWork {
   std::function<void(const RunControl& run, double queue_ms)> run;
   std::function<void(const Error& error)> refuse;
+  Turn turn = {};
+  /// On disk already, and not many at once: it has a place in the queue whatever else waits, and when memory
+  /// is short it comes before what arrives later.
+  bool kept = false;
 };
 
 /// What a job is expected to take.
@@ -52,7 +56,9 @@ class JobHandle {
 struct JobRunnerOptions {
   unsigned workers = 0;    ///< jobs that run at once; 0 = one per core
   std::size_t queue = 64;  ///< jobs that may wait; more are refused at once
-  unsigned threads = 0;    ///< cores that one job may use when it is alone; 0 = all
+  /// What they and those that run are expected to take; what would wait behind more is refused. 0 = any.
+  std::chrono::seconds queue_seconds{0};
+  unsigned threads = 0;  ///< cores that one job may use when it is alone; 0 = all
   std::uint64_t max_memory = std::uint64_t{4} << 30;  ///< sum of JobCost::bytes
   std::chrono::milliseconds longest_run{600'000};     ///< of one job
   /// A job that runs on for so long after its end was asked for counts as stuck; library calls that cannot be
@@ -60,7 +66,8 @@ struct JobRunnerOptions {
   std::chrono::milliseconds overrun{30'000};
 };
 
-/// One job runs on one core while others wait or run; a job that starts alone uses every core.
+/// One job runs on one core while others wait or run; a job that starts alone uses every core. Owners have
+/// their turns one after the other, and none may fill more places of the queue than it leaves free to others.
 class JobRunner {
  public:
   explicit JobRunner(const JobRunnerOptions& options);
@@ -74,8 +81,13 @@ class JobRunner {
   Result<JobHandle> submit(JobWork work, const JobCost& cost,
                            std::optional<RunControl::Clock::time_point> deadline);
 
-  /// What submit() would say now, for requests whose bytes are still to come.
-  Result<> would_take(const JobCost& cost, std::optional<RunControl::Clock::time_point> deadline);
+  /// What submit() would say now, for requests whose bytes are still to come. `kept`: as in JobWork; the
+  /// memory that it lacks is then kept free for it until it asks again, for a second.
+  Result<> would_take(const JobCost& cost, std::optional<RunControl::Clock::time_point> deadline,
+                      const Turn& turn = {}, bool kept = false);
+
+  /// What a job of so much work takes; a guess from the work alone before the first one ran.
+  std::chrono::duration<double> expected_seconds(double work) const;
 
   /// Refuses new jobs, lets accepted ones finish for up to `grace`, then refuses those that wait
   /// (ShuttingDown), trips the stop token of those that run, and joins the workers. Safe to repeat.
@@ -98,13 +110,19 @@ class JobRunner {
   using JobPtr = std::shared_ptr<JobHandle::Job>;
   friend class JobHandle;
 
-  Result<> admit(const JobCost& cost, std::optional<Clock::time_point> deadline);
-  Seconds expected_wait() const;
+  Result<> admit(const JobCost& cost, std::optional<Clock::time_point> deadline, const Turn& turn, bool kept);
+  Result<> admit_to_queue(const JobCost& cost, const Turn& turn);
+  Result<> admit_to_memory(const JobCost& cost, bool kept);
+  Seconds expected(const JobPtr& job) const;
+  Seconds running_seconds() const;
+  Seconds backlog() const;
+  Seconds expected_wait(const Turn& turn) const;
   std::chrono::milliseconds next_turn();
   void work();
   void run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job);
   void keep_house();
   void cancel(const JobPtr& job);
+  bool take_out(const JobPtr& job);
   void refuse(std::unique_lock<std::mutex>& lock, std::vector<JobPtr> jobs, const Error& error);
   void wait_for_jobs(std::unique_lock<std::mutex>& lock);
   void release(const JobPtr& job);
@@ -114,9 +132,12 @@ class JobRunner {
   std::atomic<unsigned> stuck_workers_ = 0;
   mutable std::mutex mutex_;  ///< guards everything below and the state of every Job
   std::condition_variable job_waits_, queue_changed_, job_ended_;
-  std::deque<JobPtr> queue_;
+  FairLine<JobPtr> queue_;
+  std::size_t kept_waiting_ = 0;  ///< of them
   std::vector<JobPtr> running_;
   std::uint64_t reserved_ = 0;
+  std::uint64_t claimed_ = 0;  ///< memory that a kept job waits for
+  Clock::time_point claimed_until_ = {};
   Pace pace_;
   Clock::time_point next_turn_ = {};  ///< of the last caller that was refused for want of a place
   std::uint64_t ended_ = 0;

@@ -118,7 +118,9 @@ std::optional<JobHandle> Jobs::submit(const Caller& caller, Job job, Done<Answer
   }
   auto handle = runner_.submit(
       {.run = [this, call](const RunControl& control, double queue_ms) { run(*call, control, queue_ms); },
-       .refuse = [this, call](const Error& error) { finish(*call, Result<Answer>(error)); }},
+       .refuse = [this, call](const Error& error) { finish(*call, Result<Answer>(error)); },
+       .turn = {caller.owner, caller.low},
+       .kept = caller.kept},
       cost_of(call->job), caller.deadline);
   if (!handle) {
     finish(*call, Result<Answer>(std::move(handle).error()));
@@ -132,6 +134,7 @@ Result<> Jobs::admit(const Caller& caller, const Job& job) const {
   if (!lifecycle_.serving()) return Error{Cause::ShuttingDown, "the server does not take work now"};
   if (caller.refusal) return *caller.refusal;
   if (auto fine = service_.check(job); !fine) return fine;
+  if (caller.kept) return {};  // paid for when it was accepted
   const std::uint64_t bytes = job.mesh.size() + job.reference.size();
   return charge(caller, bytes, bytes);
 }
@@ -164,7 +167,16 @@ Result<> Jobs::expect(const Caller& caller, std::uint64_t mesh_bytes, std::uint6
   if (auto fits = service_.check_size(reference_bytes, "the reference"); !fits) return fits;
   // Without a word about the format the cheaper one counts, so that nothing is refused that would fit.
   const std::uint64_t bytes = mesh_bytes + reference_bytes;
-  return runner_.would_take({.bytes = bytes + estimate(bytes, Format::Obj).memory_bytes}, caller.deadline);
+  return runner_.would_take({.bytes = bytes + estimate(bytes, Format::Obj).memory_bytes}, caller.deadline,
+                            {caller.owner, caller.low});
+}
+
+Result<> Jobs::would_take(const Caller& caller, const SmoothJob& job) const {
+  return runner_.would_take(cost_of(job), caller.deadline, {caller.owner, caller.low}, caller.kept);
+}
+
+std::chrono::duration<double> Jobs::expected_seconds(const SmoothJob& job) const {
+  return runner_.expected_seconds(cost_of(job).work);
 }
 
 template <class Job, class Answer>

@@ -30,6 +30,8 @@ struct Caller {
   Quota quota = {};                   ///< of this owner
   std::optional<Error> refusal = {};  ///< why nothing will be done for this caller
   std::optional<RunControl::Clock::time_point> deadline = {};
+  bool low = false;   ///< its jobs go after all that are not
+  bool kept = false;  ///< its job is on disk already: as in JobWork
 };
 
 using SmoothFunction = std::function<Result<SmoothResult>(const SmoothJob&, const RunControl&)>;
@@ -56,6 +58,11 @@ class Jobs {
   /// has none is refused before its bytes are read. Errors: ShuttingDown, TooLarge, QueueFull, MemoryFull,
   /// DeadlineExceeded.
   Result<> expect(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const;
+
+  /// What smooth() would say now.
+  Result<> would_take(const Caller& caller, const SmoothJob& job) const;
+  /// Of one core.
+  std::chrono::duration<double> expected_seconds(const SmoothJob& job) const;
 
   /// Counts and logs a request that its transport refused before it became a job.
   void record_refusal(const Caller& caller, const Error& error);

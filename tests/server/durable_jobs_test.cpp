@@ -286,13 +286,129 @@ TEST(JobStates, EndForGood) {
   }
 }
 
-TEST(JobLine, TakesNormalBeforeLowAndOwnersInTurn) {
-  JobLine line;
-  for (const char* id : {"a1", "a2", "a3"}) line.push_back(v1::JOB_PRIORITY_NORMAL, "a", id);
-  line.push_back(v1::JOB_PRIORITY_LOW, "c", "c1");
-  for (const char* id : {"b1", "b2"}) line.push_back(v1::JOB_PRIORITY_NORMAL, "b", id);
-  line.remove(v1::JOB_PRIORITY_NORMAL, "a", "a2");
+TEST(DurableJobs, FailAtTheirDeadlineWhileTheyWait) {
+  testing::Gate gate;
+  JobsHouse house({.smooth = gate.smoother()});
+  const auto running = house.durable_jobs.submit(kAnyone, submission());
+  gate.wait_for(1);
+  Submission soon = submission();
+  soon.timeout = std::chrono::milliseconds(20);
+  const auto waiting = house.durable_jobs.submit(kAnyone, soon);
+  ASSERT_TRUE(waiting) << waiting.error().message;
+  EXPECT_TRUE(waiting->has_deadline());
+  const v1::Job late = wait_for_end(house, waiting->id());
+  EXPECT_EQ(late.state(), v1::JOB_STATE_FAILED);
+  EXPECT_EQ(late.error().code(), "DEADLINE_EXCEEDED");
+  EXPECT_EQ(late.starts(), 0U);
+  gate.open();
+  EXPECT_EQ(wait_for_end(house, running->id()).state(), v1::JOB_STATE_SUCCEEDED);
+}
+
+TEST(DurableJobs, FailAtTheirDeadlineWhileTheyRun) {
+  testing::Gate gate;
+  JobsHouse house({.smooth = gate.smoother()});
+  Submission soon = submission();
+  soon.timeout = std::chrono::milliseconds(50);
+  const auto running = house.durable_jobs.submit(kAnyone, soon);
+  ASSERT_TRUE(running);
+  EXPECT_EQ(wait_for_end(house, running->id()).error().code(), "DEADLINE_EXCEEDED");
+}
+
+TEST(DurableJobs, WhoseDeadlineOutlivesTheServerStillHaveIt) {
+  const cli::TemporaryFolder folder;
+  const std::string store = folder / "store";
+  testing::Gate gate;
+  std::string id;
+  {
+    JobsHouse house({.smooth = gate.smoother(), .store = store});
+    EXPECT_TRUE(house.durable_jobs.submit(kAnyone, submission()));
+    gate.wait_for(1);
+    Submission soon = submission();
+    soon.timeout = std::chrono::milliseconds(300);
+    id = house.durable_jobs.submit(kAnyone, soon)->id();
+    house.durable_jobs.stop();
+  }
+  JobsHouse house({.smooth = gate.smoother(), .store = store});
+  EXPECT_EQ(wait_for_end(house, id).error().code(), "DEADLINE_EXCEEDED");
+}
+
+/// A mesh of so many triangles that they are expected to take a while, by the guess before any job ran.
+std::string large_mesh() {
+  std::string mesh;
+  for (int v = 0; v < 30'000; ++v) mesh += "v 0 0 " + std::to_string(v) + "\n";
+  for (int t = 0; t < 60'000; ++t) mesh += "f 1 2 3\n";
+  return mesh;
+}
+
+TEST(DurableJobs, AreRefusedWhenTheJobsAtHandAreExpectedToTakeTooLong) {
+  testing::Gate gate;
+  JobsHouse house({.smooth = gate.smoother(), .durable = {.max_seconds = std::chrono::seconds(1)}});
+  EXPECT_TRUE(house.durable_jobs.submit(kAnyone, submission()));
+  gate.wait_for(1);
+  const std::string mesh = large_mesh();
+  Submission many = submission(mesh);
+  many.options.set_method("adaptive");
+  many.options.set_iterations(50'000);
+  ASSERT_TRUE(house.durable_jobs.submit(kAnyone, many)) << "nothing waits before it";
+  const auto refused = house.durable_jobs.submit(kAnyone, submission());
+  EXPECT_EQ(cause_of(refused), Cause::QueueFull);
+  EXPECT_NE(refused.error().message.find("(jobs-seconds)"), std::string::npos) << refused.error().message;
+  EXPECT_GE(refused.error().retry_after, std::chrono::seconds(1));
+  EXPECT_GT(house.durable_jobs.look_again_after(), std::chrono::seconds(1));
+}
+
+TEST(DurableJobs, AreRefusedWhenTheirDeadlineCannotBeMet) {
+  testing::Gate gate;
+  JobsHouse house({.smooth = gate.smoother()});
+  const std::string mesh = large_mesh();
+  Submission hasty = submission(mesh);
+  hasty.options.set_method("adaptive");
+  hasty.options.set_iterations(50'000);
+  hasty.timeout = std::chrono::milliseconds(100);
+  const auto refused = house.durable_jobs.submit(kAnyone, hasty);
+  EXPECT_EQ(cause_of(refused), Cause::DeadlineExceeded);
+  EXPECT_EQ(refused.error().field, "timeout_ms");
+  EXPECT_EQ(house.store.files->bytes(), 0U) << "at the door";
+  hasty.timeout = std::chrono::hours(1);
+  EXPECT_TRUE(house.durable_jobs.submit(kAnyone, hasty));
+  hasty.timeout = std::chrono::hours(25);
+  EXPECT_EQ(cause_of(house.durable_jobs.submit(kAnyone, hasty)), Cause::BadOption);
+  gate.open();
+}
+
+TEST(DurableJobs, PayForTheirBytesOnce) {
+  const cli::TemporaryFolder folder;
+  const auto tokens =
+      Tokens::load(
+          folder.write("tokens.json", R"({"tokens": [{"name": "a", "bytesPerSecond": 2, "sha256": ")" +
+                                          sha256_of("secret") + R"("}]})"))
+          .value();
+  ASSERT_LT(kMesh.size(), 120U) << "a minute's worth";
+  ASSERT_GT(2 * kMesh.size(), 120U);
+  JobsHouse house;
+  house.jobs.ask_for(tokens.get());
+  const Caller owner{.owner = "a"};
+  const auto job = house.durable_jobs.submit(owner, submission());
+  ASSERT_TRUE(job) << job.error().message;
+  EXPECT_EQ(wait_for_end(house, job->id(), owner).state(), v1::JOB_STATE_SUCCEEDED);
+}
+
+TEST(FairLine, TakesNormalBeforeLowAndOwnersInTurn) {
+  FairLine<std::string> line;
+  for (const char* id : {"a1", "a2", "a3"}) line.push_back({"a"}, id);
+  line.push_back({"c", true}, "c1");
+  for (const char* id : {"b1", "b2"}) line.push_back({"b"}, id);
+  EXPECT_TRUE(line.remove({"a"}, "a2"));
+  EXPECT_FALSE(line.remove({"a"}, "a2"));
   EXPECT_EQ(line.size(), 5U);
+  const auto before = [&](const Turn& turn) {
+    std::set<std::string> ids;
+    line.for_each_before(turn, [&](const std::string& id) { ids.insert(id); });
+    return ids;
+  };
+  EXPECT_EQ(before({"d"}), (std::set<std::string>{"a1", "b1"}));
+  EXPECT_EQ(before({"a"}), (std::set<std::string>{"a1", "a3", "b1", "b2"}));
+  EXPECT_EQ(before({"d", true}), (std::set<std::string>{"a1", "a3", "b1", "b2", "c1"}));
   std::vector<std::string> order;
   while (const auto id = line.pop()) order.push_back(*id);
   EXPECT_EQ(order, (std::vector<std::string>{"a1", "b1", "a3", "b2", "c1"}));

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <future>
+#include <mutex>
 #include <stdexcept>
 
 #include "tests/server/gate.h"
@@ -304,8 +305,9 @@ TEST(JobRunner, GivesBackTheMemoryOfJobsThatNeverRan) {
 
 /// A runner with one busy worker that has learned that a unit of work takes `per_work` or a little more.
 struct BusyRunner {
-  explicit BusyRunner(std::chrono::milliseconds per_work, std::size_t queue = 8)
-      : runner({.workers = 1, .queue = queue}) {
+  explicit BusyRunner(std::chrono::milliseconds per_work, std::size_t queue = 8,
+                      std::chrono::seconds queue_seconds = {})
+      : runner({.workers = 1, .queue = queue, .queue_seconds = queue_seconds}) {
     std::promise<void> learned;
     const auto take_a_while = [&](const RunControl&, double) {
       const auto end = Clock::now() + per_work;
@@ -358,6 +360,96 @@ TEST(JobRunner, GivesEveryRefusedCallerATurnOfItsOwn) {
   std::chrono::milliseconds last{};
   for (int i = 0; i < 200; ++i) last = turn();
   EXPECT_LE(last, 1min) << "not for ever: some never come back";
+}
+
+/// Runs one after the other what waits behind `busy` and gives the order in which they came.
+struct Order {
+  std::mutex mutex;
+  std::vector<std::string> names;
+
+  JobWork work(const std::string& name, const Turn& turn, bool kept = false) {
+    return {.run =
+                [this, name](const RunControl&, double) {
+                  const std::lock_guard lock(mutex);
+                  names.push_back(name);
+                },
+            .refuse = [](const Error&) {},
+            .turn = turn,
+            .kept = kept};
+  }
+};
+
+TEST(JobRunner, GivesOwnersTheirTurnsAndWhatIsLowTheLast) {
+  Order order;
+  BusyRunner busy(1ms, 16);
+  const auto submit = [&](const std::string& name, const Turn& turn) {
+    EXPECT_TRUE(busy.runner.submit(order.work(name, turn), {.work = 1}, {}).ok()) << name;
+  };
+  submit("low", {.low = true});
+  for (const char* name : {"a1", "a2", "a3"}) submit(name, {.owner = "a"});
+  submit("b1", {.owner = "b"});
+  busy.gate.open();
+  busy.runner.drain(10s);
+  EXPECT_EQ(order.names, (std::vector<std::string>{"a1", "b1", "a2", "a3", "low"}));
+}
+
+TEST(JobRunner, LeavesPlacesOfTheQueueToOtherOwners) {
+  Order order;
+  BusyRunner busy(1ms, 8);
+  const auto submit = [&](const std::string& owner) {
+    return busy.runner.submit(order.work(owner, {.owner = owner}), {.work = 1}, {});
+  };
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(submit("greedy").ok()) << i;
+  const auto refused = submit("greedy");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().cause, Cause::QueueFull);
+  EXPECT_GT(refused.error().retry_after, 0ms);
+  EXPECT_TRUE(submit("modest").ok());
+  BusyRunner alone(1ms, 8);
+  for (int i = 0; i < 8; ++i)
+    EXPECT_TRUE(alone.runner.submit(order.work("all", {}), {.work = 1}, {}).ok()) << "nobody else has tokens";
+}
+
+TEST(JobRunner, BoundsTheTimeThatTheJobsAtHandAreExpectedToTake) {
+  Order order;
+  JobRunner fast({.workers = 1, .queue_seconds = 1s});
+  EXPECT_TRUE(fast.would_take({.work = 1e9}, {}).ok()) << "nothing waits for it";
+  BusyRunner busy(20ms, 8, 30s);  // the job that runs is expected to take 20 s
+  EXPECT_TRUE(busy.runner.would_take({.work = 100}, {}).ok());
+  const auto long_one = busy.runner.would_take({.work = 1000}, {});
+  ASSERT_FALSE(long_one.ok());
+  EXPECT_EQ(long_one.error().cause, Cause::QueueFull);
+  EXPECT_THAT(long_one.error().message, HasSubstr("(queue-seconds)"));
+  EXPECT_TRUE(busy.runner.would_take({.work = 1000}, {}, {}, true).ok())
+      << "kept jobs have a bound of their own";
+}
+
+TEST(JobRunner, HasAPlaceForKeptJobsHoweverFullItsQueueIs) {
+  Order order;
+  BusyRunner busy(1ms, 1);
+  EXPECT_TRUE(busy.runner.submit(order.work("waits", {}), {}, {}).ok());
+  EXPECT_EQ(busy.runner.would_take({}, {}).error().cause, Cause::QueueFull);
+  EXPECT_TRUE(busy.runner.submit(order.work("kept", {}, true), {}, {}).ok());
+  busy.gate.open();
+  busy.runner.drain(10s);
+  EXPECT_EQ(order.names, (std::vector<std::string>{"waits", "kept"}));
+}
+
+TEST(JobRunner, KeepsTheMemoryFreeThatAKeptJobWaitsFor) {
+  Gate gate;
+  GatedJob half, small;
+  JobRunner runner({.workers = 2, .queue = 8, .max_memory = 1000});
+  ASSERT_TRUE(runner.submit(half.work(gate), {.bytes = 500}, {}).ok());
+  EXPECT_EQ(runner.would_take({.bytes = 800}, {}, {}, true).error().cause, Cause::MemoryFull);
+  EXPECT_EQ(runner.submit(small.work(gate), {.bytes = 300}, {}).error().cause, Cause::MemoryFull);
+  gate.open();
+  EXPECT_EQ(half.end.get(), Ending());
+  ASSERT_TRUE(testing::eventually([&] { return runner.reserved_bytes() == 0; }));
+  EXPECT_EQ(runner.would_take({.bytes = 300}, {}).error().cause, Cause::MemoryFull) << "it has not come yet";
+  Order order;
+  EXPECT_TRUE(runner.submit(order.work("large", {}, true), {.bytes = 800}, {}).ok());
+  ASSERT_TRUE(testing::eventually([&] { return runner.reserved_bytes() == 0; }));
+  EXPECT_TRUE(runner.would_take({.bytes = 300}, {}).ok());
 }
 
 TEST(JobRunner, BoundsEveryRun) {
