@@ -41,6 +41,9 @@ struct Config {
   TlsFiles tls;             ///< of both transports; empty: not encrypted
   bool insecure = false;    ///< listen beyond this machine without tokens
 
+  bool sandbox = true;         ///< decode, smooth and encode in helper processes without rights
+  std::string helper_program;  ///< that does it, as sandbox.h says; no setting; empty: no helpers
+
   unsigned workers = 0;                     ///< jobs that run at once; 0 = one per core
   std::uint32_t queue = 64;                 ///< jobs that may wait
   std::chrono::seconds queue_seconds{600};  ///< of one core that they are expected to take; 0 = any

@@ -194,6 +194,7 @@ std::vector<Setting> transport_settings(Config& config) {
 std::vector<Setting> job_settings(Config& config) {
   return {
       number("workers", config.workers, 0, 1024, "jobs that run at once; 0: one per core"),
+      on_or_off("sandbox", config.sandbox, "decode and smooth in helper processes without rights"),
       number("queue", config.queue, 0, 65536, "jobs that may wait; more are refused at once"),
       seconds("queue-seconds", config.queue_seconds, 0, 365 * 86400,
               "of one core that the jobs at hand may be expected to take; 0: any"),

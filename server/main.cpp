@@ -7,11 +7,13 @@
 #include <cstdio>
 #include <ctime>
 #include <future>
+#include <string_view>
 
 #include <spdlog/spdlog.h>
 
 #include "server/config.h"
 #include "server/observe/log.h"
+#include "server/sandbox/helper.h"
 #include "server/server.h"
 #include "server/status_map.h"
 
@@ -60,9 +62,11 @@ void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& s
 int main(int argc, char** argv) {
   const sigset_t signals = block_stop_signals();
   give_back_large_blocks();
-  const auto parsed = burnish::parse_config(argc, argv);
+  if (argc == 2 && std::string_view(argv[1]) == burnish::kHelperArgument) return burnish::run_helper();
+  auto parsed = burnish::parse_config(argc, argv);
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
-  const auto& config = std::get<burnish::Config>(parsed);
+  auto& config = std::get<burnish::Config>(parsed);
+  config.helper_program = "/proc/self/exe";  // this very program, also when its file was replaced
   burnish::set_up_log(config.log_level);
   allow_many_files();
 

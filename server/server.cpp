@@ -55,20 +55,49 @@ Result<> check_guard(const Config& config) {
   return {};
 }
 
+std::uint64_t memory_for_jobs(const Config& config) {
+  return config.max_memory ? config.max_memory : usable_memory() / 2;
+}
+
+/// A helper for each worker. What admission estimates may be wrong, so a helper may have twice the bound of
+/// all jobs.
+Result<std::unique_ptr<Sandbox>> start_sandbox(const Config& config) {
+  auto started = Sandbox::start(
+      {.program = config.helper_program,
+       .limits = config.limits,
+       .helpers = config.workers ? config.workers : std::max(1U, std::thread::hardware_concurrency()),
+       .max_memory = 2 * memory_for_jobs(config)});
+  if (started) return started;
+  return Error{Cause::BadOption, started.error().message + " (--sandbox=false does without)"};
+}
+
+SmoothFunction smoother(Sandbox* sandbox, SmoothFunction given) {
+  if (given || !sandbox) return given;
+  return [sandbox](const SmoothJob& job, const RunControl& run) { return sandbox->smooth(job, run); };
+}
+
+CompareFunction comparer(Sandbox* sandbox) {
+  if (!sandbox) return {};
+  return [sandbox](const CompareJob& job, const RunControl& run) { return sandbox->compare(job, run); };
+}
+
 }  // namespace
 
-Server::Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens, SmoothFunction smooth)
+Server::Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens,
+               std::unique_ptr<Sandbox> sandbox, SmoothFunction smooth)
     : tokens_(std::move(tokens)),
+      sandbox_(std::move(sandbox)),
       service_(config.limits),
       spool_({.folder = config.spool_folder, .max_bytes = config.max_spool_bytes}),
       runner_({.workers = config.workers,
                .queue = config.queue,
                .queue_seconds = config.queue_seconds,
                .threads = config.threads,
-               .max_memory = config.max_memory ? config.max_memory : usable_memory() / 2,
+               .max_memory = memory_for_jobs(config),
                .longest_run = config.longest_run}),
       store_(std::move(store)),
-      jobs_(service_, runner_, spool_, lifecycle_, metrics_, std::move(smooth)),
+      jobs_(service_, runner_, spool_, lifecycle_, metrics_, smoother(sandbox_.get(), std::move(smooth)),
+            comparer(sandbox_.get())),
       durable_jobs_(*store_.records, *store_.files, jobs_,
                     {.max_jobs = config.max_jobs, .max_seconds = config.jobs_seconds, .keep = config.keep}),
       uploads_(*store_.records, *store_.files, jobs_, {.keep = config.keep}),
@@ -80,6 +109,9 @@ Server::Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens
     gauges.cache_hits = durable_jobs_.cache_hits();
     gauges.cache_misses = durable_jobs_.cache_misses();
     gauges.store_bytes = store_.files->bytes();
+    if (!sandbox_) return;
+    gauges.helper_bytes = sandbox_->resident_bytes();
+    gauges.ended_helpers = sandbox_->ended_helpers();
   });
 }
 
@@ -97,10 +129,16 @@ Result<std::unique_ptr<Server>> Server::start(const Config& config, SmoothFuncti
     if (!loaded) return std::move(loaded).error();
     tls = std::move(loaded).value();
   }
+  std::unique_ptr<Sandbox> sandbox;
+  if (config.sandbox && !config.helper_program.empty()) {
+    auto started = start_sandbox(config);
+    if (!started) return std::move(started).error();
+    sandbox = std::move(started).value();
+  }
   auto store = open_store(config);
   if (!store) return std::move(store).error();
   auto server = std::unique_ptr<Server>(
-      new Server(config, std::move(store).value(), std::move(tokens), std::move(smooth)));
+      new Server(config, std::move(store).value(), std::move(tokens), std::move(sandbox), std::move(smooth)));
   server->tls_ = std::move(tls);
   if (auto opened = server->open(config); !opened) return std::move(opened).error();
   return server;

@@ -15,6 +15,7 @@
 #include "server/jobs/uploads.h"
 #include "server/lifecycle.h"
 #include "server/observe/metrics.h"
+#include "server/sandbox/sandbox.h"
 #include "server/security/tokens.h"
 
 namespace burnish {
@@ -47,14 +48,16 @@ class Server {
     std::unique_ptr<Records> records;
   };
   static Result<Store> open_store(const Config& config);
-  Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens, SmoothFunction smooth);
+  Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens, std::unique_ptr<Sandbox> sandbox,
+         SmoothFunction smooth);
   Result<> open(const Config& config);
   void tell_health();
   void watch(const std::stop_token& stop);
   void keep_house(const std::stop_token& stop);
 
-  const std::unique_ptr<Tokens> tokens_;  ///< null: whoever reaches the ports may call
-  std::unique_ptr<TlsContexts> tls_;      ///< null: the ports are not encrypted
+  const std::unique_ptr<Tokens> tokens_;    ///< null: whoever reaches the ports may call
+  const std::unique_ptr<Sandbox> sandbox_;  ///< null: jobs run in this process
+  std::unique_ptr<TlsContexts> tls_;        ///< null: the ports are not encrypted
   Lifecycle lifecycle_;
   Metrics metrics_;
   SmoothService service_;

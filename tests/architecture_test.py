@@ -15,6 +15,7 @@ FORBIDDEN = {
     "server/jobs": r"(client|server/(grpc|http)/|grpc|grpcpp|httplib)",
     "server/store": r"(client|server/(grpc|http|jobs|service|observe)|grpc|grpcpp|httplib)",
     "server/security": r"(client|server/(grpc|jobs|service)|grpc|grpcpp|httplib)",
+    "server/sandbox": r"(client|server/(grpc|http|jobs|observe|security)|grpc|grpcpp|httplib)",
     "server/grpc": r"(client|server/http|httplib)",
     "server/http": r"(client|server/grpc|grpc|grpcpp)",
     "client/*": r"(core|server|client/cli|httplib|draco)",

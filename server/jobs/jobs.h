@@ -34,8 +34,6 @@ struct Caller {
   bool kept = false;  ///< its job is on disk already: as in JobWork
 };
 
-using SmoothFunction = std::function<Result<SmoothResult>(const SmoothJob&, const RunControl&)>;
-
 /// Thread-safe; its arguments must outlive it, and the runner must be drained before it goes.
 class Jobs {
  public:
@@ -43,9 +41,9 @@ class Jobs {
   template <class Answer>
   using Done = std::function<void(Result<Answer>)>;
 
-  /// `smooth` stands in for service.smooth() in tests.
+  /// `smooth` and `compare` stand in for those of the service.
   Jobs(const SmoothService& service, JobRunner& runner, Spool& spool, const Lifecycle& lifecycle,
-       Metrics& metrics, SmoothFunction smooth = {});
+       Metrics& metrics, SmoothFunction smooth = {}, CompareFunction compare = {});
 
   /// Calls `done` exactly once: on this thread before it returns when the job is refused (then there is no
   /// handle), else on a worker, or on the thread that cancels or refuses the waiting job. What job's views
@@ -110,6 +108,7 @@ class Jobs {
   const Lifecycle& lifecycle_;
   Metrics& metrics_;
   const SmoothFunction smooth_;
+  const CompareFunction compare_;
   Tokens* tokens_ = nullptr;
   std::function<void(Gauges&)> more_gauges_ = [](Gauges&) {};
 };

@@ -36,6 +36,7 @@ int open_nameless(const std::string& folder) {
 }  // namespace
 
 Body::~Body() {
+  told_.reset();
   if (mapped_) ::munmap(const_cast<char*>(mapped_), size_);
   if (file_ >= 0) ::close(file_);
   spool_.bytes_ -= size_;
@@ -76,9 +77,10 @@ Result<> Body::write(std::string_view bytes) {
 Result<std::string_view> Body::finish() {
   if (file_ < 0) return std::string_view(memory_);
   if (!mapped_) {
-    void* const address = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file_, 0);
+    void* const address = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file_, 0);
     if (address == MAP_FAILED) return Error{Cause::OutOfMemory, "the server cannot map the request"};
     mapped_ = static_cast<const char*>(address);
+    told_ = std::make_unique<MappedFile>(std::string_view(mapped_, size_), file_);
   }
   return std::string_view(mapped_, size_);
 }

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/run/error.h"
+#include "server/mapped_files.h"
 
 namespace burnish {
 
@@ -47,6 +48,7 @@ class Body {
   std::string memory_;
   int file_ = -1;
   const char* mapped_ = nullptr;
+  std::unique_ptr<MappedFile> told_;  ///< that the file is mapped
   std::uint64_t size_ = 0;
 };
 

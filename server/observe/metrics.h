@@ -32,6 +32,8 @@ struct Gauges {
   std::size_t kept_waiting = 0, kept_running = 0;  ///< jobs that outlive their call
   std::uint64_t cache_hits = 0, cache_misses = 0;  ///< of their results
   std::uint64_t store_bytes = 0;                   ///< of meshes, results and uploads on disk
+  std::uint64_t helper_bytes = 0;                  ///< resident, of all helper processes
+  std::uint64_t ended_helpers = 0;                 ///< that had to be replaced
 };
 
 /// Requests, how they ended, how long their stages took and how large they were. Thread-safe; counting takes

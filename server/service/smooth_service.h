@@ -43,6 +43,10 @@ struct CompareJob {
   double queue_ms = 0;
 };
 
+/// What smooths and compares: the service, or what stands in for it.
+using SmoothFunction = std::function<Result<SmoothResult>(const SmoothJob&, const RunControl&)>;
+using CompareFunction = std::function<Result<v1::CompareResponse>(const CompareJob&, const RunControl&)>;
+
 /// Stateless; safe to call from many threads at once.
 class SmoothService {
  public:

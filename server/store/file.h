@@ -20,6 +20,11 @@ class File {
  public:
   File() = default;
   File(const std::string& path, int flags) : file_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {}
+  static File adopt(int file) {
+    File owned;
+    owned.file_ = file;
+    return owned;
+  }
   ~File() {
     if (file_ >= 0) ::close(file_);
   }

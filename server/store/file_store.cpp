@@ -8,8 +8,10 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
+#include "server/mapped_files.h"
 #include "server/store/file.h"
 
 namespace burnish {
@@ -30,14 +32,32 @@ Result<> sync_folder(const std::string& folder) {
   return file.is_open() ? file.sync() : Result<>(File::cannot_store(errno));
 }
 
-Result<StoredBytes> map_file(const File& file) {
+/// A mapping, its file, and the word that the file is mapped.
+struct MappedBytes {
+  MappedBytes(File from, const char* address, std::uint64_t length)
+      : file(std::move(from)), bytes(address, length) {
+    told.emplace(bytes, file.get());
+  }
+  ~MappedBytes() {
+    told.reset();
+    ::munmap(const_cast<char*>(bytes.data()), bytes.size());
+  }
+  MappedBytes(const MappedBytes&) = delete;
+  MappedBytes& operator=(const MappedBytes&) = delete;
+
+  const File file;
+  const std::string_view bytes;
+  std::optional<MappedFile> told;
+};
+
+Result<StoredBytes> map_file(File file) {
   const std::uint64_t size = file.size();
   if (size == 0) return StoredBytes{};
   void* const address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
   if (address == MAP_FAILED) return Error{Cause::OutOfMemory, "the server cannot map a mesh"};
-  return StoredBytes{.bytes = {static_cast<const char*>(address), size},
-                     .owner = std::shared_ptr<const void>(
-                         address, [size](const void* at) { ::munmap(const_cast<void*>(at), size); })};
+  const auto mapped =
+      std::make_shared<const MappedBytes>(std::move(file), static_cast<const char*>(address), size);
+  return StoredBytes{.bytes = mapped->bytes, .owner = mapped};
 }
 
 std::uint64_t size_of(const std::string& path) {
@@ -131,9 +151,9 @@ std::string FileStore::part_path(const std::string& id) const { return options_.
 bool FileStore::has(const std::string& sha256) const { return File(path_of(sha256), O_RDONLY).is_open(); }
 
 Result<StoredBytes> FileStore::map(const std::string& sha256) const {
-  const File file(path_of(sha256), O_RDONLY);
+  File file(path_of(sha256), O_RDONLY);
   if (!file.is_open()) return no_such_file();
-  return map_file(file);
+  return map_file(std::move(file));
 }
 
 Result<> FileStore::put(std::string_view bytes, const std::string& sha256) {
@@ -222,10 +242,10 @@ Result<std::string> FileStore::finish_part(const std::string& id, const std::str
   std::string sha256;
   std::uint64_t size = 0;
   {
-    const File file(part_path(id), O_RDWR);
+    File file(part_path(id), O_RDWR);
     if (!file.is_open()) return no_such_upload();
     if (auto synced = file.sync(); !synced) return synced.error();
-    const auto content = map_file(file);
+    const auto content = map_file(std::move(file));
     if (!content) return content.error();
     sha256 = sha256_of(content->bytes);
     size = content->bytes.size();
