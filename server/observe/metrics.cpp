@@ -194,7 +194,8 @@ std::string Metrics::text(const Gauges& gauges) const {
   count("burnish_result_cache_misses_total", "Kept jobs whose result was not there.", gauges.cache_misses);
   add("burnish_store_bytes", "Meshes, results and uploads on disk.", gauges.store_bytes);
   add("burnish_helper_resident_bytes", "Resident memory of the helper processes.", gauges.helper_bytes);
-  count("burnish_helpers_ended_total", "Helper processes that ended and were replaced.", gauges.ended_helpers);
+  count("burnish_helpers_ended_total", "Helper processes that ended and were replaced.",
+        gauges.ended_helpers);
   add("burnish_self_test_passed", "1 when the last self-test passed.", self_test_passed_.load() ? 1 : 0);
   add("burnish_self_test_timestamp_seconds", "Unix time of the last self-test; 0: never.",
       self_test_seconds_.load());

@@ -38,6 +38,14 @@ constexpr int kAllowed[] = {
     SCMP_SYS(lseek), SCMP_SYS(fstat), SCMP_SYS(ftruncate), SCMP_SYS(close), SCMP_SYS(poll), SCMP_SYS(ppoll),
     SCMP_SYS(sendmsg), SCMP_SYS(recvmsg), SCMP_SYS(sendto), SCMP_SYS(recvfrom)};
 
+/// Of an argument, counted from 0. The library's own macros are C.
+scmp_arg_cmp equal(unsigned argument, scmp_datum_t value) {
+  return {.arg = argument, .op = SCMP_CMP_EQ, .datum_a = value, .datum_b = 0};
+}
+scmp_arg_cmp bits(unsigned argument, scmp_datum_t mask, scmp_datum_t value) {
+  return {.arg = argument, .op = SCMP_CMP_MASKED_EQ, .datum_a = mask, .datum_b = value};
+}
+
 struct Filter {
   scmp_filter_ctx context = seccomp_init(SCMP_ACT_ERRNO(EPERM));
   int failure = context ? 0 : ENOMEM;
@@ -72,12 +80,11 @@ Result<> give_up_rights(std::uint64_t max_memory) {
       if (kSanitized) filter.allow(call);
     }
     // No code but what is there, no process but this one.
-    filter.allow(SCMP_SYS(mmap), SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
-    filter.allow(SCMP_SYS(mprotect), SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
-    filter.allow(SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD));
-    filter.allow(SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, static_cast<scmp_datum_t>(::getpid())));
-    filter.allow(SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_EQ, 0),
-                 SCMP_A2(SCMP_CMP_EQ, 0));  // asks, sets nothing
+    filter.allow(SCMP_SYS(mmap), bits(2, PROT_EXEC, 0));
+    filter.allow(SCMP_SYS(mprotect), bits(2, PROT_EXEC, 0));
+    filter.allow(SCMP_SYS(clone), bits(0, CLONE_THREAD, CLONE_THREAD));
+    filter.allow(SCMP_SYS(tgkill), equal(0, static_cast<scmp_datum_t>(::getpid())));
+    filter.allow(SCMP_SYS(prlimit64), equal(0, 0), equal(2, 0));  // asks, sets nothing
     // Its flags lie in memory, where no filter sees them; without it the C library uses clone().
     const int result = seccomp_rule_add(filter.context, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
     if (filter.failure == 0 && result < 0) filter.failure = -result;

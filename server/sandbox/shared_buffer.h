@@ -23,7 +23,8 @@ class SharedBuffer {
 
   /// Makes room and copies. False when memory is out.
   bool write(std::uint64_t offset, std::string_view bytes);
-  /// What the other end wrote, until it writes beyond what it ever wrote; empty when the buffer does not go so far.
+  /// What the other end wrote, until it writes beyond what it ever wrote; empty when the buffer does not go
+  /// so far.
   std::string_view read(std::uint64_t offset, std::uint64_t bytes);
   /// Gives the pages back that only large meshes need.
   void tidy() const;
