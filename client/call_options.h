@@ -35,6 +35,8 @@ enum class Compression : std::uint8_t { None, Gzip };
 struct CallOptions {
   std::optional<std::chrono::milliseconds> timeout = {};  ///< of all attempts together; unset: none
   std::stop_token stop = {};                              ///< a stop from any thread ends the call at once
+  /// W3C Trace Context of whatever this call is a part of; the server's log names its trace. Empty: none.
+  std::string traceparent = {};
   /// Called for each progress message of the server, which needs a stream: given, it makes every smooth()
   /// one. Starts over when the call is tried again. The answer waits while it runs; what it throws ends the
   /// call with "internal".

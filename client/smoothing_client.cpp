@@ -62,6 +62,7 @@ void prepare(grpc::ClientContext& context, const Attempts& attempts, const CallO
         std::chrono::duration_cast<std::chrono::system_clock::duration>(*deadline - Attempts::Clock::now()));
   }
   if (!options.token.empty()) context.AddMetadata("authorization", "Bearer " + options.token);
+  if (!options.traceparent.empty()) context.AddMetadata("traceparent", options.traceparent);
   if (options.compression == Compression::Gzip) context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
 }
 

@@ -66,8 +66,10 @@ RunControl run_control(const Place& place, const Console& console) {
 
 client::CallOptions call_options(const Place& place, const Console& console) {
   const char* const token = std::getenv("BURNISH_TOKEN");  // never an argument: other users see those
+  const char* const trace = std::getenv("TRACEPARENT");  // as OpenTelemetry hands it from program to program
   return {.timeout = timeout_of(place),
           .stop = console.stop,
+          .traceparent = trace ? trace : "",
           .retry = {.attempts = place.retries + 1},
           .token = token ? token : ""};
 }

@@ -5,6 +5,7 @@ import json
 import os
 import random
 import socket
+import subprocess
 import tempfile
 import threading
 import time
@@ -14,7 +15,7 @@ from http.client import HTTPConnection, HTTPException
 import grpc
 from burnish.v1 import jobs_pb2, jobs_pb2_grpc, smoothing_pb2
 
-from programs import PATIENCE_SECONDS, MeshTest, Server, eventually
+from programs import BURNISH, ENVIRONMENT, PATIENCE_SECONDS, MeshTest, Server, eventually
 
 LONG = bool(os.environ.get("BURNISH_LONG"))
 ENDED = ("JOB_STATE_SUCCEEDED", "JOB_STATE_FAILED", "JOB_STATE_CANCELLED")
@@ -81,6 +82,23 @@ class Jobs(MeshTest):
                 caller = Caller(server)
                 self.assertEqual([caller.ended(each)["state"] for each in ids[1:]], ["JOB_STATE_SUCCEEDED"] * 2)
                 self.assertEqual(caller.call("DELETE", f"/v1/jobs/{ids[0]}")[0], 202)
+
+    def test_the_callers_trace_is_in_every_line_of_its_log(self):
+        def parent(trace):
+            return f"00-{trace}-00f067aa0ba902b7-01"
+
+        kept, direct = "4bf92f3577b34da6a3ce929d0e0e4736", "0af7651916cd43dd8448eb211c80319c"
+        with Server() as server:
+            caller = Caller(server)
+            status, body = caller.call("POST", "/v1/jobs?method=laplacian", self.noisy.read_bytes(),
+                                       {"traceparent": parent(kept)})
+            self.assertEqual(status, 202)
+            identity = caller.ended(json.loads(body)["id"])["id"]
+            subprocess.run([BURNISH, "smooth", str(self.noisy), str(self.folder / "traced.obj"), "--server", server.grpc],
+                           env={**ENVIRONMENT, "TRACEPARENT": parent(direct)}, check=True, capture_output=True)
+            log = server.log_text()
+            self.assertRegex(log, rf"request id={identity} trace={kept} ")
+            self.assertRegex(log, rf"trace={direct} transport=grpc")
 
     def test_one_folder_serves_one_server(self):
         with tempfile.TemporaryDirectory() as store, Server(store=store):
