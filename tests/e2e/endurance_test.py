@@ -107,7 +107,7 @@ class Soak(MeshTest):
 
 class Overload(MeshTest):
     SECONDS = 60 if LONG else 6
-    RESOLUTION = 60
+    RESOLUTION = 30
 
     def bench(self, server, *flags, seconds=None):
         done = subprocess.run([BURNISH, "bench", "--server", server.grpc, "--mesh", str(self.noisy), "--method",
