@@ -1,6 +1,7 @@
 """What a server bears: hours of mixed calls, ten times what it can do, a disk that is full. Short here, as long as the
 promises say with scripts/test --long."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -137,6 +138,56 @@ class Overload(MeshTest):
             eventually(lambda: memory(server) < 1.1 * idle + 1e6, "memory is back")
 
 
+class RudeClients(MeshTest):
+    EACH = 100
+
+    def honest(self, server, times):
+        taken = []
+        for _ in range(times):
+            start = time.monotonic()
+            self.assertEqual(call(server, "POST", "/v1/smooth?method=laplacian", self.noisy.read_bytes())[0], 200)
+            taken.append(time.monotonic() - start)
+        return sorted(taken)
+
+    def connect(self, server, first):
+        host, port = server.http.rsplit(":", 1)
+        client = socket.socket()
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        client.connect((host, int(port)))
+        client.sendall(first)
+        self.addCleanup(client.close)
+        return client
+
+    def test_hundreds_of_them_hold_no_honest_client_up(self):
+        head = b"POST /v1/smooth HTTP/1.1\r\nHost: x\r\n"
+        with Server("--log-level", "error") as server:
+            alone = self.honest(server, 30)
+            slow = [self.connect(server, first) for first in (head + b"X-", head + b"Content-Length: 99999\r\n\r\nv")
+                    for _ in range(self.EACH)]
+            for _ in range(self.EACH):
+                with_much_to_read = b"GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n" * 20
+                self.connect(server, with_much_to_read)
+                self.connect(server, head + b"Content-Length: 99999\r\n\r\nv 0").shutdown(socket.SHUT_WR)
+            ended = threading.Event()
+
+            def trickle():
+                while not ended.wait(0.1):
+                    for client in slow:
+                        with contextlib.suppress(OSError):
+                            client.send(b"x")
+
+            trickler = threading.Thread(target=trickle)
+            trickler.start()
+            try:
+                beside = self.honest(server, 60)
+            finally:
+                ended.set()
+                trickler.join()
+            print(f"median {1000 * alone[15]:.1f} ms alone, {1000 * beside[30]:.1f} beside {4 * self.EACH} rude clients, "
+                  f"worst but two {1000 * beside[-3]:.1f}", flush=True)
+            self.assertLess(beside[-3], alone[15] + 0.1)
+
+
 class FullDisk(MeshTest):
     """The store on a file system of a few megabytes, in a mount namespace of the server's own."""
 
@@ -170,7 +221,7 @@ class FullDisk(MeshTest):
                 # A job that found no room for its result ends so; the others have theirs.
                 ends = {}
                 for identity in kept:
-                    job = json.loads(call(server, "GET", f"/v1/jobs/{identity}", headers={"Prefer": "wait=60"})[1])
+                    job = json.loads(call(server, "GET", f"/v1/jobs/{identity}", headers={"Prefer": "wait=2"})[1])
                     ends[identity] = job["state"]
                 self.assertIn("JOB_STATE_SUCCEEDED", ends.values())
                 for identity, state in ends.items():
