@@ -3,6 +3,7 @@
 #include <mutex>
 #include <utility>
 
+#include "server/store/reserve.h"
 #include "server/store/sqlite.h"
 
 namespace burnish {
@@ -11,6 +12,9 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::int64_t kVersion = 1;
+/// Room for what the log grows to between two checkpoints, twice.
+constexpr std::uint64_t kReserve = std::uint64_t{1} << 20;
+constexpr const char* kCheckpoint = "PRAGMA wal_autocheckpoint = 100";  // pages of 4 KiB
 /// `job` and `upload` are the contract's messages; the columns beside them are what is searched for.
 constexpr const char* kSchema = R"(
   CREATE TABLE jobs (
@@ -72,7 +76,8 @@ class Transaction {
 
 class SqliteRecords final : public Records {
  public:
-  explicit SqliteRecords(SqliteDatabase database) : database_(std::move(database)) {}
+  SqliteRecords(SqliteDatabase database, const std::string& path)
+      : reserve_(path + "-reserve", kReserve), database_(std::move(database)) {}
 
   Result<> add(JobRecord& record, WallTime meshes_expire) override {
     const std::lock_guard lock(mutex_);
@@ -91,18 +96,20 @@ class SqliteRecords final : public Records {
   Result<> update(const JobRecord& record) override {
     const std::lock_guard lock(mutex_);
     const std::string job = record.job.SerializeAsString();
-    return statement("UPDATE jobs SET state = ?, expires = ?, result = ?, job = ? WHERE id = ?")
-        .bind(record.job.state())
-        .bind(to_number(record.expires))
-        .bind(record.job.result().sha256())
-        .bind_bytes(job)
-        .bind(record.job.id())
-        .run();
+    return also_on_a_full_disk([&] {
+      return statement("UPDATE jobs SET state = ?, expires = ?, result = ?, job = ? WHERE id = ?")
+          .bind(record.job.state())
+          .bind(to_number(record.expires))
+          .bind(record.job.result().sha256())
+          .bind_bytes(job)
+          .bind(record.job.id())
+          .run();
+    });
   }
 
   Result<> remove_job(const std::string& id) override {
     const std::lock_guard lock(mutex_);
-    return statement("DELETE FROM jobs WHERE id = ?").bind(id).run();
+    return also_on_a_full_disk([&] { return statement("DELETE FROM jobs WHERE id = ?").bind(id).run(); });
   }
 
   Result<std::optional<JobRecord>> find_job(const std::string& id) override {
@@ -165,7 +172,7 @@ class SqliteRecords final : public Records {
 
   Result<> remove_upload(const std::string& id) override {
     const std::lock_guard lock(mutex_);
-    return statement("DELETE FROM uploads WHERE id = ?").bind(id).run();
+    return also_on_a_full_disk([&] { return statement("DELETE FROM uploads WHERE id = ?").bind(id).run(); });
   }
 
   Result<std::vector<UploadRecord>> uploads() override {
@@ -195,7 +202,10 @@ class SqliteRecords final : public Records {
 
   Result<> remove_expired_meshes(WallTime now) override {
     const std::lock_guard lock(mutex_);
-    return statement("DELETE FROM meshes WHERE expires <= ?").bind(to_number(now)).run();
+    auto removed = also_on_a_full_disk(
+        [&] { return statement("DELETE FROM meshes WHERE expires <= ?").bind(to_number(now)).run(); });
+    reserve_.hold();
+    return removed;
   }
 
   Result<std::set<std::string>> files_in_use() override {
@@ -219,6 +229,14 @@ class SqliteRecords final : public Records {
     return "SELECT " + std::string(kColumns) + " FROM jobs " + std::string(where);
   }
   SqliteStatement statement(std::string_view sql) { return {database_.get(), sql}; }
+
+  /// For writes that end jobs or make room.
+  template <class Write>
+  Result<> also_on_a_full_disk(const Write& write) {
+    auto written = write();
+    if (!written && written.error().cause == Cause::StorageFull && reserve_.release()) written = write();
+    return written;
+  }
 
   Result<> insert(const JobRecord& record) {
     const std::string job = record.job.SerializeAsString();
@@ -271,11 +289,12 @@ class SqliteRecords final : public Records {
   }
 
   std::mutex mutex_;
+  Reserve reserve_;
   const SqliteDatabase database_;
 };
 
 Result<> set_up(sqlite3* database) {
-  for (const char* pragma : {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL"}) {
+  for (const char* pragma : {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL", kCheckpoint}) {
     if (auto set = SqliteStatement(database, pragma).run(); !set) return set;
   }
   SqliteStatement version(database, "PRAGMA user_version");
@@ -299,7 +318,7 @@ Result<std::unique_ptr<Records>> open_sqlite_records(const std::string& path) {
   if (!usable)
     return Error{Cause::BadOption,
                  "cannot use the records '" + path + "' (store): " + usable.error().message};
-  return std::unique_ptr<Records>(std::make_unique<SqliteRecords>(std::move(database)));
+  return std::unique_ptr<Records>(std::make_unique<SqliteRecords>(std::move(database), path));
 }
 
 }  // namespace burnish
