@@ -119,6 +119,8 @@ std::variant<Config, int> parse_config(int argc, const char* const* argv) {
   app.add_option("--config", file, "JSON object of settings; flags and environment win")
       ->envname("BURNISH_CONFIG")
       ->option_text("FILE (BURNISH_CONFIG)");
+  app.add_flag("--healthcheck", config.health_check,
+               "ask the server that runs with these settings whether it is ready, and end: 0 when it is");
   bool print = false;
   app.add_flag("--print-config", print, "print the settings as --config takes them, and end");
   try {

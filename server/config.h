@@ -53,7 +53,8 @@ struct Config {
   std::uint64_t max_spool_bytes = std::uint64_t{8} << 30;  ///< of all request bodies together
 
   std::string
-      store_folder;  ///< for jobs, uploads and results; empty: a temporary one that goes with the server
+      store_folder;     ///< for jobs, uploads and results; empty: a temporary one that goes with the server
+  std::string replica;  ///< names of jobs and uploads begin with it; empty: with nothing
   std::uint64_t max_store_bytes = std::uint64_t{64} << 30;  ///< of all files in it
   std::uint32_t max_jobs = 10'000;                          ///< kept jobs that have not ended
   std::chrono::seconds jobs_seconds{7 * 24 * 3600};         ///< of one core that they are expected to take
@@ -72,6 +73,7 @@ struct Config {
   std::chrono::seconds longest_run{600};  ///< of one job
   std::chrono::seconds grace{30};         ///< for accepted jobs after a signal to stop
   std::string log_level = "info";
+  bool health_check = false;  ///< ask the server that runs with these settings, and end; no setting
 };
 
 /// Where jobs are kept unless a setting tells: $STATE_DIRECTORY, as systemd sets it, $XDG_STATE_HOME/burnish,

@@ -143,6 +143,21 @@ Setting on_or_off(std::string name, bool& value, std::string meaning) {
           }};
 }
 
+/// What a host may be named, so that it can stand in paths and metadata.
+Setting replica_name(std::string name, std::string& value, std::string meaning) {
+  const auto set = [&value](std::span<const std::string> values) -> Result<> {
+    const std::string& text = values.front();
+    const bool fine = text.size() <= 63 && !text.starts_with('-') && std::ranges::all_of(text, [](char c) {
+                        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+                      });
+    if (!fine) return not_a(text, "a name of up to 63 small letters, digits and hyphens");
+    value = text;
+    return {};
+  };
+  return {
+      std::move(name), SettingShape::Text, "NAME", std::move(meaning), set, [&value] { return Json(value); }};
+}
+
 /// As browsers send it; anything else would never match and only look allowed.
 bool is_origin(std::string_view text) {
   if (text == "*") return true;
@@ -207,6 +222,7 @@ std::vector<Setting> job_settings(Config& config) {
            "request bodies in the server, together"),
       path("store", config.store_folder, "FOLDER",
            "for jobs, uploads and results; default: the state folder of the user"),
+      replica_name("replica", config.replica, "begins the ids of jobs and uploads, for a balancer"),
       size("max-store-bytes", config.max_store_bytes, 1, 1024 * kTi, "all files in the store, together"),
       number("max-jobs", config.max_jobs, 1, 1'000'000, "kept jobs that have not ended"),
       seconds("jobs-seconds", config.jobs_seconds, 1, 365 * 86400,

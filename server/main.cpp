@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "server/config.h"
+#include "server/healthcheck.h"
 #include "server/observe/log.h"
 #include "server/sandbox/helper.h"
 #include "server/server.h"
@@ -47,6 +48,13 @@ void give_back_large_blocks() {
   mallopt(M_TRIM_THRESHOLD, 4 << 20);
 }
 
+int report_health(const burnish::Config& config) {
+  const auto healthy = burnish::check_health(config);
+  if (healthy) return 0;
+  std::fprintf(stderr, "burnishd: not ready: %s\n", healthy.error().message.c_str());
+  return 1;
+}
+
 /// Drains; one more signal cuts the grace period short.
 void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& signals) {
   auto draining = std::async(std::launch::async, [&] { return server.stop(grace); });
@@ -66,6 +74,7 @@ int main(int argc, char** argv) {
   auto parsed = burnish::parse_config(argc, argv);
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
   auto& config = std::get<burnish::Config>(parsed);
+  if (config.health_check) return report_health(config);
   config.helper_program = "/proc/self/exe";  // this very program, also when its file was replaced
   burnish::set_up_log(config.log_level);
   allow_many_files();

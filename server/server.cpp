@@ -103,6 +103,7 @@ Server::Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens
       uploads_(*store_.records, *store_.files, jobs_, {.keep = config.keep}),
       gateway_(jobs_, durable_jobs_, uploads_, {.cors_origins = config.cors_origins}) {
   jobs_.ask_for(tokens_.get());
+  jobs_.name_replica(config.replica);
   jobs_.set_more_gauges([this](Gauges& gauges) {
     gauges.kept_waiting = durable_jobs_.waiting();
     gauges.kept_running = durable_jobs_.running();

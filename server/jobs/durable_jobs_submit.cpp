@@ -166,7 +166,7 @@ Result<v1::Job> DurableJobs::accept(const Caller& caller, const Submission& subm
   record.idempotency_key = submission.idempotency_key;
   record.request_hash = hash;
   v1::Job& job = record.job;
-  job.set_id(new_request_id() + new_request_id());
+  job.set_id(jobs_.new_kept_id());
   job.set_state(v1::JOB_STATE_QUEUED);
   job.set_priority(submission.priority);
   set_time(*job.mutable_create_time(), wall_now());

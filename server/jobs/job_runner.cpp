@@ -318,7 +318,8 @@ bool JobRunner::take_out(const JobPtr& job) {
 }
 
 /// Refuses jobs that have left the queue, without the lock.
-void JobRunner::refuse(std::unique_lock<std::mutex>& lock, std::vector<JobPtr> jobs, const Error& error) {
+void JobRunner::refuse(std::unique_lock<std::mutex>& lock, const std::vector<JobPtr>& jobs,
+                       const Error& error) {
   lock.unlock();
   for (const JobPtr& job : jobs) {
     call_guarded([&] { job->work.refuse(error); });

@@ -123,7 +123,7 @@ class JobRunner {
   void keep_house();
   void cancel(const JobPtr& job);
   bool take_out(const JobPtr& job);
-  void refuse(std::unique_lock<std::mutex>& lock, std::vector<JobPtr> jobs, const Error& error);
+  void refuse(std::unique_lock<std::mutex>& lock, const std::vector<JobPtr>& jobs, const Error& error);
   void wait_for_jobs(std::unique_lock<std::mutex>& lock);
   void release(const JobPtr& job);
 

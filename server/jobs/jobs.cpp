@@ -99,6 +99,10 @@ Jobs::Jobs(const SmoothService& service, JobRunner& runner, Spool& spool, const 
       smooth_(std::move(smooth)),
       compare_(std::move(compare)) {}
 
+std::string Jobs::new_kept_id() const {
+  return (replica_.empty() ? "" : replica_ + "-") + new_request_id() + new_request_id();
+}
+
 std::optional<JobHandle> Jobs::smooth(const Caller& caller, SmoothJob job, Done<SmoothResult> done) {
   return submit(caller, std::move(job), std::move(done));
 }

@@ -70,6 +70,11 @@ class Jobs {
 
   /// Asks for tokens from now on; to be set before anybody calls, null: for none.
   void ask_for(Tokens* tokens) { tokens_ = tokens; }
+  /// Of this server among several, so that a balancer finds what it keeps; to be set before anybody calls.
+  void name_replica(std::string name) { replica_ = std::move(name); }
+  /// Of a job or an upload: 32 random hexadecimal digits, after the replica's name and a hyphen when it has
+  /// one.
+  std::string new_kept_id() const;
   /// Who the caller is by an Authorization header or metadata; or why it is refused: Unauthenticated,
   /// QuotaExceeded. `counts`: the first time that this request asks.
   void identify(std::string_view authorization, Caller& caller, bool counts = true) const;
@@ -110,6 +115,7 @@ class Jobs {
   const SmoothFunction smooth_;
   const CompareFunction compare_;
   Tokens* tokens_ = nullptr;
+  std::string replica_;
   std::function<void(Gauges&)> more_gauges_ = [](Gauges&) {};
 };
 

@@ -89,6 +89,8 @@ Spool::Spool(const SpoolOptions& options)
     : options_({folder_or_default(options.folder), options.in_memory, options.max_bytes}) {}
 
 Result<> Spool::check() const {
+  std::error_code failure;  // told by the next line
+  std::filesystem::create_directories(options_.folder, failure);
   const int file = open_nameless(options_.folder);
   if (file < 0) {
     return Error{Cause::BadOption,

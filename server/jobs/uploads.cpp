@@ -131,7 +131,7 @@ Result<v1::Upload> Uploads::create(const Caller& caller, std::uint64_t bytes, co
   const auto entry = std::make_shared<Entry>();
   entry->record.owner = caller.owner;
   v1::Upload& upload = entry->record.upload;
-  upload.set_id(new_request_id() + new_request_id());
+  upload.set_id(jobs_.new_kept_id());
   upload.set_bytes(static_cast<std::uint32_t>(bytes));
   set_time(*upload.mutable_create_time(), now());
   if (!sha256.empty()) {

@@ -76,8 +76,8 @@ Result<> give_up_rights(std::uint64_t max_memory) {
   Filter filter;
   if (filter.failure == 0) {
     for (const int call : kAllowed) filter.allow(call);
-    for (const int call : kAllowedSanitizers) {
-      if (kSanitized) filter.allow(call);
+    if constexpr (kSanitized) {
+      for (const int call : kAllowedSanitizers) filter.allow(call);
     }
     // No code but what is there, no process but this one.
     filter.allow(SCMP_SYS(mmap), bits(2, PROT_EXEC, 0));

@@ -1,11 +1,11 @@
 #include "server/sandbox/helper.h"
 
 #include <malloc.h>
-#include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -196,7 +196,7 @@ class Helper {
 }  // namespace
 
 int run_helper(SmoothFunction smooth) {
-  ::signal(SIGXFSZ, SIG_IGN);  // a result beyond all bounds is an error, not an end
+  std::signal(SIGXFSZ, SIG_IGN);  // a result beyond all bounds is an error, not an end
   ::prctl(PR_SET_NAME, "burnish-helper");
   ::close_range(kFirstForeignFile, ~0U, 0);
   return Helper(std::move(smooth)).run();

@@ -100,6 +100,16 @@ class Jobs(MeshTest):
             self.assertRegex(log, rf"request id={identity} trace={kept} ")
             self.assertRegex(log, rf"trace={direct} transport=grpc")
 
+    def test_ids_begin_with_the_replica_that_keeps_them(self):
+        with Server("--replica", "scans-2") as server:
+            caller = Caller(server)
+            job = json.loads(caller.call("POST", "/v1/jobs", self.noisy.read_bytes())[1])["id"]
+            upload = json.loads(caller.call("POST", "/v1/uploads")[1])["id"]
+            for identity in job, upload:
+                self.assertRegex(identity, "^scans-2-[0-9a-f]{32}$")
+            self.assertEqual(caller.ended(job)["id"], job)
+            self.assertEqual(caller.call("GET", f"/v1/uploads/{upload}")[0], 200)
+
     def test_one_folder_serves_one_server(self):
         with tempfile.TemporaryDirectory() as store, Server(store=store):
             with self.assertRaisesRegex(AssertionError, "another server uses it"):

@@ -5,14 +5,43 @@ import json
 import signal
 import socket
 import subprocess
+import tempfile
 import time
 import unittest
 
 import grpc
 
-from programs import ENVIRONMENT, MeshTest, Server, error_info, eventually, smooth_request, start_burnish
+from programs import BURNISHD, ENVIRONMENT, MeshTest, Server, error_info, eventually, smooth_request, start_burnish
 
 ENDLESS = {"method": "laplacian", "iterations": 100000}
+
+
+def healthcheck(*flags):
+    done = subprocess.run([BURNISHD, *map(str, flags), "--healthcheck"], env=ENVIRONMENT, capture_output=True,
+                          text=True, timeout=60)
+    return done.returncode, done.stderr
+
+
+class Healthcheck(unittest.TestCase):
+    def test_is_what_readyz_says(self):
+        with Server() as server:
+            self.assertEqual(healthcheck("--http-listen", server.http), (0, ""))
+            port = server.http.split(":")[1]
+            self.assertEqual(healthcheck("--http-listen", f"0.0.0.0:{port}"), (0, ""))
+        code, said = healthcheck("--http-listen", server.http)
+        self.assertEqual((code, said), (1, "burnishd: not ready: Connection refused\n"))
+
+    def test_reaches_a_unix_socket(self):
+        with tempfile.TemporaryDirectory() as folder:
+            socket_path = f"{folder}/http"
+            with Server(http=f"unix:{socket_path}"):
+                self.assertEqual(healthcheck("--http-listen", f"unix:{socket_path}"), (0, ""))
+            self.assertEqual(healthcheck("--http-listen", f"unix:{socket_path}")[0], 1)
+
+    def test_does_not_wait_for_ever(self):
+        with socket.create_server(("127.0.0.1", 0)) as deaf:
+            code, said = healthcheck("--http-listen", "127.0.0.1:%d" % deaf.getsockname()[1])
+        self.assertEqual((code, said), (1, "burnishd: not ready: no answer to GET /readyz within 5 s\n"))
 
 
 class Lifecycle(MeshTest):

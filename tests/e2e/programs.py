@@ -72,12 +72,12 @@ class Server:
     """A burnishd on free ports; a context manager that ends it and checks that it exits with 0. Its store is its own
     unless one is given."""
 
-    def __init__(self, *flags, store=None, program=BURNISHD):
+    def __init__(self, *flags, store=None, program=BURNISHD, http="127.0.0.1:0"):
         self.folder = tempfile.TemporaryDirectory(prefix="burnish-e2e-")
         ports_file = pathlib.Path(self.folder.name, "ports.json")
         self.log = open(pathlib.Path(self.folder.name, "log"), "w+")
         self.process = subprocess.Popen(
-            [program, "--grpc-listen", "127.0.0.1:0", "--http-listen", "127.0.0.1:0", "--ports-file",
+            [program, "--grpc-listen", "127.0.0.1:0", "--http-listen", http, "--ports-file",
              str(ports_file), "--store", str(store or pathlib.Path(self.folder.name, "store")), *map(str, flags)], env=ENVIRONMENT, stdout=self.log, stderr=self.log)
         eventually(lambda: ports_file.exists() or self.process.poll() is not None, "burnishd serves")
         assert self.process.poll() is None, self.log_text()

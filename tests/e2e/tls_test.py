@@ -9,7 +9,7 @@ import unittest
 import grpc
 from burnish.v1 import smoothing_pb2, smoothing_pb2_grpc
 
-from programs import CURL, ENVIRONMENT, PATIENCE_SECONDS, MeshTest, Server, eventually
+from programs import BURNISHD, CURL, ENVIRONMENT, PATIENCE_SECONDS, MeshTest, Server, eventually
 
 
 class Tls(MeshTest):
@@ -84,6 +84,13 @@ class Tls(MeshTest):
             self.run_burnish("smooth", self.folder / "large.obj", there, "--method", "taubin", "--server",
                              server.grpc.replace("127.0.0.1", "localhost"), "--tls-ca", self.folder / "ca.pem")
             self.assertEqual(there.read_bytes(), here.read_bytes())
+
+    def test_the_health_check_speaks_it_and_shows_the_servers_certificate(self):
+        for more in (), ("--tls-client-ca", self.folder / "ca.pem"):
+            with Server(*self.flags(*more)) as server:
+                done = subprocess.run([BURNISHD, *map(str, self.flags(*more)), "--http-listen", server.http,
+                                       "--healthcheck"], env=ENVIRONMENT, capture_output=True, text=True, timeout=60)
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_who_shows_no_certificate_is_not_served_where_one_is_asked_for(self):
         with Server(*self.flags("--tls-client-ca", self.folder / "ca.pem")) as server:

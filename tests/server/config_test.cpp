@@ -115,6 +115,8 @@ TEST(Config, ReadsFlags) {
                                 "20",
                                 "--grace-seconds",
                                 "21",
+                                "--replica",
+                                "burnish-1",
                                 "--log-level",
                                 "debug"});
   EXPECT_EQ(config.grpc_listen.text(), "[::1]:1");
@@ -124,6 +126,7 @@ TEST(Config, ReadsFlags) {
   EXPECT_EQ(config.queue, 4u);
   EXPECT_EQ(config.threads, 5u);
   EXPECT_EQ(config.max_memory, 6ull << 30);
+  EXPECT_EQ(config.replica, "burnish-1");
   EXPECT_EQ(config.spool_folder, "s");
   EXPECT_EQ(config.max_spool_bytes, 7ull << 40);
   EXPECT_EQ(config.limits.mesh.max_bytes, 8u << 10);
@@ -191,6 +194,8 @@ TEST(Config, EndsWithAnExitCodeWhenThereIsNothingToServe) {
            Row{{"--grpc-compression=maybe"}, 2, "'maybe' is not true or false"},
            Row{{"--cors-origin", "a.example"}, 2, "--cors-origin"},
            Row{{"--log-level", "loud"}, 2, "--log-level"},
+           Row{{"--replica", "Burnish_1"}, 2, "--replica"},
+           Row{{"--replica", "-1"}, 2, "--replica"},
            Row{{"--config", "/no/such/file"}, 2, "/no/such/file: cannot be read"},
            Row{{"--config", wrong.c_str(), "--queue", "1"}, 2, wrong + ": settings.queue: '-1'"},
        }) {

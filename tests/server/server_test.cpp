@@ -390,6 +390,11 @@ TEST(Server, StopsWhileAStreamIsStillComing) {
   v1::SmoothStreamRequest message;
   message.mutable_start();
   ASSERT_TRUE(stream->Write(message));
+  message.set_mesh_chunk("v 0 0 0\n");
+  ASSERT_TRUE(stream->Write(message));
+  ASSERT_TRUE(eventually([&] {
+    return server.http("GET", "/metrics").body.find("burnish_spooled_bytes 8") != std::string::npos;
+  })) << "a stream that the server has not seen is cut without a reason";
   const auto begin = Clock::now();
   server->stop(60s);
   EXPECT_EQ(reason_of(stream->Finish()), "SHUTTING_DOWN");

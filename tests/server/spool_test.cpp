@@ -77,12 +77,19 @@ TEST(Spool, LeavesNoFileInItsFolder) {
   EXPECT_EQ(folder.entries(), 0u) << "nothing is left even if the process dies now";
 }
 
+TEST(Spool, MakesItsFolder) {
+  const cli::TemporaryFolder folder;
+  Spool spool({.folder = folder / "some/spool", .in_memory = 0});
+  ASSERT_TRUE(spool.check().ok());
+  EXPECT_TRUE(spool.body()->append("x").ok());
+}
+
 TEST(Spool, SaysWhenItsFolderCannotBeWritten) {
-  Spool spool({.folder = "/nowhere/to/be/found", .in_memory = 0});
+  Spool spool({.folder = "/dev/null/spool", .in_memory = 0});
   const auto usable = spool.check();
   ASSERT_FALSE(usable.ok());
   EXPECT_EQ(usable.error().cause, Cause::BadOption);
-  EXPECT_THAT(usable.error().message, HasSubstr("/nowhere/to/be/found"));
+  EXPECT_THAT(usable.error().message, HasSubstr("/dev/null/spool"));
   const auto body = spool.body();
   const auto kept = body->append("x");
   ASSERT_FALSE(kept.ok());
