@@ -27,7 +27,6 @@ Result<> bench(const BenchArguments& arguments, const Console& console) {
   const auto client = connect(arguments.place);
   if (!client) return client.error();
   client::CallOptions options = call_options(arguments.place, console);
-  options.retry.attempts = 1;  // a refusal is an outcome
   // The first call opens the connection, and says what would be wrong with all of them.
   if (auto first = client->smooth(request, options); !first && first.error().code == grpc::INVALID_ARGUMENT)
     return error_from(first.error(), arguments.place);
@@ -74,6 +73,10 @@ void add_bench_command(CLI::App& app, Command& chosen) {
       ->capture_default_str();
   command->add_option("--timeout", arguments->place.timeout_seconds, "Of each call, in seconds")
       ->check(CLI::Range(0.001, 1e6));
+  arguments->place.retries = 0;  // a refusal is an outcome
+  command->add_option("--retries", arguments->place.retries, "How often a call tries again")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([&chosen, arguments] {
     chosen = [arguments](const Console& console) { return bench(*arguments, console); };

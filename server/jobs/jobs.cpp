@@ -77,7 +77,7 @@ std::string trace_field(const std::string& trace_id) { return trace_id.empty() ?
 }  // namespace
 
 std::string new_request_id() {
-  std::random_device random;
+  thread_local std::random_device random;  // opening it takes as long as ten numbers
   return fmt::format("{:08x}{:08x}", random(), random());
 }
 
@@ -140,6 +140,8 @@ Result<> Jobs::admit(const Caller& caller, const Job& job) const {
   if (caller.refusal) return *caller.refusal;
   if (auto fine = service_.check(job); !fine) return fine;
   if (caller.kept) return {};  // paid for when it was accepted
+  // A full queue is told before anything is paid, and before the mesh is looked at.
+  if (auto place = runner_.would_take({}, caller.deadline, {caller.owner, caller.low}); !place) return place;
   const std::uint64_t bytes = job.mesh.size() + job.reference.size();
   return charge(caller, bytes, bytes);
 }

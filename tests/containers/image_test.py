@@ -1,0 +1,135 @@
+"""The image: what is in it, what it may do, and what it bears."""
+
+import hashlib
+import json
+import pathlib
+import re
+import tempfile
+import time
+import unittest
+
+from engine import Burnishd, call, engine, eventually, new_secrets, sample, tell
+
+ENDED = ("JOB_STATE_SUCCEEDED", "JOB_STATE_FAILED", "JOB_STATE_CANCELLED")
+
+
+class ImageTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.keys = cls.enterClassContext(new_secrets())
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.mesh = sample(pathlib.Path(folder, "noisy.obj"))
+
+    def submit(self, server, options="method=taubin&iterations=10"):
+        status, _, body = server.call("POST", f"/v1/jobs?{options}", self.mesh)
+        self.assertEqual(status, 202, body)
+        return json.loads(body)["id"]
+
+    def ended(self, server, identity):
+        return eventually(lambda: (lambda job: job if job.get("state") in ENDED else None)(server.job(identity)),
+                          f"job {identity} ends")
+
+
+class Image(ImageTest):
+    def test_is_small_and_says_what_it_is(self):
+        image, base = (json.loads(engine("image", "inspect", name).stdout)[0] for name in ("burnish", "debian:bookworm-slim"))
+        over = (image["Size"] - base["Size"]) / 1e6
+        tell("image", over_its_base=f"{over:.0f} MB", whole=f"{image['Size'] / 1e6:.0f} MB")
+        self.assertLess(over, 120)
+        self.assertEqual(image["Config"]["User"], "burnish:burnish")
+        self.assertEqual(image["Config"]["StopSignal"], "SIGTERM")
+        check = image["Config"].get("Healthcheck") or image["Healthcheck"]  # Docker's place, podman's place
+        self.assertEqual(check["Test"], ["CMD", "burnishd", "--healthcheck"])
+        self.assertEqual(image["Config"]["Labels"]["org.opencontainers.image.title"], "burnish")
+        self.assertIn("/var/lib/burnish", image["Config"]["Volumes"])
+
+    def test_does_not_start_without_tokens(self):
+        done = engine("run", "--rm", "burnish", check=False)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("/run/secrets/burnish_tokens", done.stderr)
+
+    def test_starts_soon_has_no_rights_and_ends_with_0(self):
+        server = Burnishd(self.keys)
+        began = time.monotonic()
+        with server:
+            ready = time.monotonic() - began
+            tell("start", ready_in_ms=round(1000 * ready), idle_memory=f"{server.memory_mb():.0f} MB")
+            status = pathlib.Path(f"/proc/{server.processes()[0]}/status").read_text()
+            self.assertEqual(re.search(r"^Uid:\s+(\d+)", status, re.M)[1], "10001")
+            self.assertEqual(int(re.search(r"^CapEff:\s+(\w+)", status, re.M)[1], 16), 0)
+            self.assertEqual(re.search(r"^NoNewPrivs:\s+(\d)", status, re.M)[1], "1")
+            self.assertEqual(engine("exec", server.name, "burnishd", "--healthcheck").returncode, 0)
+            self.assertNotEqual(engine("exec", server.name, "touch", "/etc/x", check=False).returncode, 0)
+            self.assertEqual(call(server.HTTP, "POST", "/v1/smooth", self.mesh)[0], 401)
+            status, headers, mesh = server.call("POST", "/v1/smooth", self.mesh)
+            self.assertEqual((status, len(mesh) > 0), (200, True))
+            engine("stop", "-t", 30, server.name)
+            self.assertEqual(server.exit_code(), 0, server.log())
+
+
+class Faults(ImageTest):
+    """One server and what may happen to it."""
+
+    def test_kill_9_loses_no_job(self):
+        with Burnishd(self.keys) as server:
+            jobs = [self.submit(server, f"method=taubin&iterations={n}") for n in range(1, 21)]
+            engine("kill", "-s", "KILL", server.name)
+            server.exit_code()
+            engine("start", server.name)
+            eventually(server.ready, "it is back")
+            states = [self.ended(server, job)["state"] for job in jobs]
+        self.assertEqual(states, ["JOB_STATE_SUCCEEDED"] * len(jobs))
+        tell("kill -9, start again", jobs=len(jobs), succeeded=len(states))
+
+    def test_a_new_container_takes_the_volume_over(self):
+        name = "burnish-test-volume"
+        try:
+            with Burnishd(self.keys, volume=name) as server:
+                done = self.ended(server, self.submit(server))
+                waiting = self.submit(server, "method=adaptive&iterations=3000")
+                engine("stop", "-t", 1, server.name)
+            with Burnishd(self.keys, volume=name) as server:
+                self.assertEqual(hashlib.sha256(server.call("GET", f"/v1/jobs/{done['id']}/mesh")[2]).hexdigest(),
+                                 done["result"]["sha256"])
+                self.assertEqual(self.ended(server, waiting)["state"], "JOB_STATE_SUCCEEDED")
+        finally:
+            engine("volume", "rm", "-f", name, check=False)
+
+    def test_sigterm_answers_what_was_accepted(self):
+        with Burnishd(self.keys) as server:
+            job = self.submit(server)
+            engine("kill", "-s", "TERM", server.name)
+            self.assertEqual(server.exit_code(), 0, server.log())
+            engine("start", server.name)
+            eventually(server.ready, "it is back")
+            self.assertEqual(self.ended(server, job)["state"], "JOB_STATE_SUCCEEDED")
+
+    def test_a_full_volume_is_answered_and_survived(self):
+        volume = ["--tmpfs", "/var/lib/burnish:size=4m,mode=1777"]
+        with Burnishd(self.keys, store=volume) as server:
+            kept, status, body = [], 202, b""
+            while status == 202 and len(kept) < 200:
+                status, _, body = server.call("POST", f"/v1/jobs?method=taubin&iterations={len(kept) + 1}",
+                                              b"# %d\n" % len(kept) + self.mesh)
+                if status == 202:
+                    kept.append(json.loads(body)["id"])
+            self.assertEqual((status, json.loads(body)["code"]), (507, "storage_full"))
+            self.assertEqual(server.call("POST", "/v1/smooth", self.mesh)[0], 200)
+            for job in kept:
+                eventually(lambda: server.call("DELETE", f"/v1/jobs/{job}")[0] in (204, 404), "it is removed")
+            eventually(lambda: server.call("POST", "/v1/jobs", self.mesh)[0] == 202, "there is room again")
+            tell("full volume", jobs_until_507=len(kept))
+
+    def test_a_read_only_volume_is_named(self):
+        server = Burnishd(self.keys)
+        server.store = ["-v", f"{server.volume}:/var/lib/burnish:ro"]
+        try:
+            server.start()
+            self.assertNotEqual(server.exit_code(), 0)
+            self.assertRegex(server.log(), "Read-only file system")
+        finally:
+            server.__exit__()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,217 @@
+"""docker/compose.replicas.yaml as it stands: three replicas behind nginx, of which any may end at any time."""
+
+import concurrent.futures
+import contextlib
+import hashlib
+import json
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+from engine import BURNISH, ENGINE, ENVIRONMENT, ROOT, Secrets, call, engine, eventually, sample, tell
+
+COMPOSE = ["docker-compose"] if ENGINE == "podman" else [ENGINE, "compose"]  # by podman's socket
+REPLICAS = ["burnish-1", "burnish-2", "burnish-3"]
+HTTP, GRPC, PROMETHEUS = 8080, 50051, 9090
+ENDED = ("JOB_STATE_SUCCEEDED", "JOB_STATE_FAILED", "JOB_STATE_CANCELLED")
+
+
+@contextlib.contextmanager
+def checks_run():
+    """Podman runs no health check by itself where there is no systemd."""
+    stop = threading.Event()
+
+    def check():
+        while ENGINE == "podman" and not stop.wait(0.2):
+            for name in engine("ps", "--format", "{{.Names}}").stdout.split():
+                engine("healthcheck", "run", name, check=False)
+
+    checking = threading.Thread(target=check)
+    checking.start()
+    try:
+        yield
+    finally:
+        stop.set()
+        checking.join()
+
+
+class Replicas(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="burnish-replicas-")))
+        cls.mesh_file = cls.folder / "noisy.obj"
+        cls.mesh = sample(cls.mesh_file)
+        # Beside the secrets of this run; the images are there.
+        cls.keys = Secrets(cls.folder)
+        shutil.copy(ROOT / "docker/compose.replicas.yaml", cls.folder)
+        cls.addClassCleanup(cls.compose, "down", "-v")
+        with checks_run():
+            cls.compose("up", "-d", "--no-build")
+        eventually(lambda: all(cls.ask(replica, "GET", "/readyz")[0] == 200 for replica in REPLICAS), "three replicas are ready")
+
+    @classmethod
+    def compose(cls, *arguments):
+        done = subprocess.run([*COMPOSE, "-f", str(cls.folder / "compose.replicas.yaml"), *arguments], capture_output=True,
+                              text=True, cwd=cls.folder, timeout=180)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    @classmethod
+    def ask(cls, replica, verb, target, body=None, headers=None):
+        """One replica, or any when it is None."""
+        named = {"Burnish-Replica": replica} if replica else {}
+        return call(HTTP, verb, target, body, {**cls.keys.headers, **named, **(headers or {})})
+
+    @classmethod
+    def container(cls, replica):
+        names = engine("ps", "-a", "--format", "{{.Names}}").stdout.split()
+        return next(name for name in names if name.endswith((f"_{replica}_1", f"-{replica}-1")))
+
+    @classmethod
+    def back(cls, replica):
+        """Podman gives a container another hardware address when it starts again, which its neighbours would learn within
+        half a minute; Docker's stays."""
+        if ENGINE == "podman":
+            balancer = json.loads(engine("inspect", cls.container("balancer")).stdout)[0]["State"]["Pid"]
+            subprocess.run(["nsenter", "-t", str(balancer), "-n", "ip", "neigh", "flush", "all"], check=True)
+        eventually(lambda: cls.ask(replica, "GET", "/readyz")[0] == 200, f"{replica} is back")
+
+    def submit(self, replica=None, headers=None, options="method=taubin&iterations=10", body=None):
+        status, _, answer = self.ask(replica, "POST", f"/v1/jobs?{options}", self.mesh if body is None else body, headers)
+        self.assertEqual(status, 202, answer)
+        return json.loads(answer)["id"]
+
+    def ended(self, identity):
+        def job():
+            status, _, body = self.ask(None, "GET", f"/v1/jobs/{identity}", headers={"Prefer": "wait=2"})
+            return json.loads(body) if status == 200 and json.loads(body)["state"] in ENDED else None
+        return eventually(job, f"job {identity} ends")
+
+    def assert_succeeded(self, jobs, expected):
+        for identity in jobs:
+            job = self.ended(identity)
+            self.assertEqual((job["state"], job["result"]["sha256"]), ("JOB_STATE_SUCCEEDED", expected))
+
+    def quiet_result(self):
+        status, _, mesh = self.ask(None, "POST", "/v1/smooth?method=taubin&iterations=10", self.mesh)
+        self.assertEqual(status, 200)
+        return hashlib.sha256(mesh).hexdigest()
+
+    def test_what_a_replica_keeps_is_asked_of_it(self):
+        jobs = [self.submit() for _ in range(9)]
+        self.assertEqual({identity.rpartition("-")[0] for identity in jobs}, set(REPLICAS))
+        self.assert_succeeded(jobs, self.quiet_result())
+        for identity in jobs:
+            status, _, mesh = self.ask(None, "GET", f"/v1/jobs/{identity}/mesh")
+            self.assertEqual((status, hashlib.sha256(mesh).hexdigest()), (200, self.quiet_result()))
+
+    def test_an_idempotency_key_finds_its_job(self):
+        for key in "abcdef":
+            again = {self.submit(headers={"Idempotency-Key": f"key-{key}"}) for _ in range(4)}
+            self.assertEqual(len(again), 1, again)
+
+    def test_an_upload_goes_on_where_it_began(self):
+        half = len(self.mesh) // 2
+        status, headers, _ = self.ask(None, "POST", "/v1/uploads", self.mesh[:half], {"Upload-Complete": "?0"})
+        self.assertEqual(status, 201)
+        place = headers["location"]
+        status, headers, _ = self.ask(None, "HEAD", place)
+        self.assertEqual((status, headers["upload-offset"]), (200, str(half)))
+        status, _, body = self.ask(None, "PATCH", place, self.mesh[half:],
+                                   {"Upload-Offset": str(half), "Upload-Complete": "?1",
+                                    "Content-Type": "application/partial-upload"})
+        self.assertIn(status, (200, 204), body)
+        replica = place.rpartition("/")[2].rpartition("-")[0]
+        sha256 = hashlib.sha256(self.mesh).hexdigest()
+        job = self.submit(replica, options=f"mesh_sha256={sha256}&method=taubin&iterations=10", body=b"")
+        self.assert_succeeded([job], self.quiet_result())
+
+    def under_load(self, disturb, seconds):
+        """Calls over gRPC with the C++ client's retries and over HTTP, and jobs, while `disturb` runs."""
+        load = subprocess.Popen([BURNISH, "bench", "--server", f"127.0.0.1:{GRPC}", "--mesh", str(self.mesh_file), "--method",
+                                 "taubin", "--concurrency", "4", "--rate", "20", "--duration", str(seconds), "--retries", "8",
+                                 "--json"], env={**ENVIRONMENT, "BURNISH_TOKEN": self.keys.token}, stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True)
+        stop, jobs, refused, answers = threading.Event(), [], [], []
+
+        def submit():
+            while not stop.is_set():
+                status, _, body = self.ask(None, "POST", "/v1/jobs?method=taubin&iterations=10", self.mesh)
+                (jobs if status == 202 else refused).append(json.loads(body)["id"] if status == 202 else status)
+                time.sleep(0.1)
+
+        def smooth():
+            while not stop.is_set():
+                status, _, mesh = self.ask(None, "POST", "/v1/smooth?method=taubin&iterations=10", self.mesh)
+                answers.append((status, hashlib.sha256(mesh).hexdigest()))
+                time.sleep(0.05)
+
+        with concurrent.futures.ThreadPoolExecutor(3) as threads:
+            running = [threads.submit(each) for each in (submit, smooth, smooth)]
+            try:
+                disturb()
+                out, said = load.communicate(timeout=seconds + 60)
+            finally:
+                stop.set()
+                load.kill()
+            for each in running:
+                each.result()
+        self.assertEqual(load.returncode, 0, said)
+        return json.loads(out), jobs, refused, answers
+
+    def test_a_rolling_restart_fails_no_call_and_loses_no_job(self):
+        expected = self.quiet_result()
+
+        took = []
+
+        def restart():
+            for replica in REPLICAS:
+                began = time.monotonic()
+                engine("restart", "-t", 40, self.container(replica))
+                self.back(replica)
+                took.append(round(time.monotonic() - began, 1))
+                time.sleep(1.2)  # for a second nginx takes one that did not answer for dead
+
+        calls, jobs, refused, answers = self.under_load(restart, 12)
+        tell("rolling restart", seconds=took, grpc_calls=calls["outcomes"], http_answers=len(answers),
+             other_than_200=[status for status, _ in answers if status != 200], jobs=len(jobs), refused_jobs=refused)
+        self.assertEqual(list(calls["outcomes"]), ["ok"])
+        self.assertEqual(set(answers), {(200, expected)})
+        self.assert_succeeded(jobs, expected)
+
+    def test_kill_9_of_a_replica_costs_only_what_was_in_flight_there(self):
+        expected = self.quiet_result()
+        before = [self.submit("burnish-2") for _ in range(10)]
+
+        def kill():
+            time.sleep(2)
+            engine("kill", "-s", "KILL", self.container("burnish-2"))
+            time.sleep(4)
+            engine("start", self.container("burnish-2"))
+            self.back("burnish-2")
+
+        calls, jobs, refused, answers = self.under_load(kill, 10)
+        tell("kill -9 of one of three", grpc_calls=calls["outcomes"], http_answers=len(answers),
+             other_than_200=[status for status, _ in answers if status != 200], jobs=len(jobs), refused_jobs=refused)
+        self.assertEqual(list(calls["outcomes"]), ["ok"])
+        self.assertEqual(set(answers), {(200, expected)})
+        self.assertLessEqual(len(refused), 2, "only what was in flight on it")
+        self.assert_succeeded(before + jobs, expected)
+
+    def test_prometheus_scrapes_all_and_evaluates_the_alerts(self):
+        def targets():
+            status, _, body = call(PROMETHEUS, "GET", "/api/v1/query?query=count(up%7Bjob%3D%22burnish%22%7D%3D%3D1)")
+            result = json.loads(body)["data"]["result"] if status == 200 else []
+            return result and result[0]["value"][1] == "3"
+        eventually(targets, "three targets are up")
+        rules = json.loads(call(PROMETHEUS, "GET", "/api/v1/rules")[2])["data"]["groups"][0]["rules"]
+        eventually(lambda: all(rule["health"] == "ok" for rule in json.loads(
+            call(PROMETHEUS, "GET", "/api/v1/rules")[2])["data"]["groups"][0]["rules"]), "every rule is evaluated")
+        tell("Prometheus", targets=3, rules=len(rules))
+
+
+if __name__ == "__main__":
+    unittest.main()
