@@ -7,6 +7,7 @@
 
 #include "core/io/estimate.h"
 #include "core/smooth/registry.h"
+#include "server/security/tokens.h"
 #include "tests/server/gate.h"
 #include "tests/server/jobs_house.h"
 #include "tests/support/eventually.h"
@@ -110,6 +111,28 @@ TEST(Jobs, ExpectWhatSubmitWillSay) {
   EXPECT_TRUE(running.get().ok());
   house.lifecycle.move_to(LifecycleState::Draining);
   EXPECT_EQ(house.jobs.expect({}, 0, 0).error().cause, Cause::ShuttingDown);
+}
+
+TEST(Jobs, RefusedByAFullQueuePayNothing) {
+  const cli::TemporaryFolder folder;
+  const auto tokens =
+      Tokens::load(
+          folder.write("tokens.json", R"({"tokens": [{"name": "a", "bytesPerSecond": 1, "sha256": ")" +
+                                          sha256_of("secret") + R"("}]})"))
+          .value();
+  const Caller owner{.owner = "a"};
+  const SmoothJob minutes_worth{.mesh = std::string(60, '#')};
+  Gate gate;
+  House house({}, {.workers = 1, .queue = 0}, gate.smoother());
+  auto running = house.smooth({.mesh = "v 0 0 0\n"});
+  gate.wait_for(1);
+  house.jobs.ask_for(tokens.get());
+  EXPECT_EQ(house.smooth(minutes_worth, owner).get().error().cause, Cause::QueueFull);
+  gate.open();
+  EXPECT_TRUE(running.get().ok());
+  ASSERT_TRUE(testing::eventually([&] { return house.jobs.expect(owner, 0, 0).ok(); }));
+  EXPECT_TRUE(house.smooth(minutes_worth, owner).get().ok());
+  EXPECT_EQ(house.smooth(minutes_worth, owner).get().error().cause, Cause::QuotaExceeded);
 }
 
 TEST(Jobs, SelfTestGoesThroughAWorkerAndFailsWhenThereIsNone) {
