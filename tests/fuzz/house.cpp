@@ -12,8 +12,7 @@ House::House()
     : house_({.limits = {.mesh = kLimits, .max_iterations = 20, .max_option_bytes = 4 << 10},
               .runner = {.workers = 1, .queue = 1, .threads = 1},
               .durable = {.max_jobs = 4}}),
-      gateway_(house_.jobs, house_.durable_jobs, house_.uploads,
-               {.cors_origins = {"http://localhost:3000"}}),
+      gateway_(house_.jobs, house_.durable_jobs, house_.uploads, {.cors_origins = {"http://localhost:3000"}}),
       server_(HttpServer::without_port({}, gateway_, house_.jobs)) {}
 
 std::string House::answer(std::string_view bytes) {
