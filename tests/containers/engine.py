@@ -6,10 +6,12 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import secrets
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -18,6 +20,8 @@ BURNISH = str(ROOT / "build/release/bin/burnish")
 sys.path.insert(0, str(ROOT / "build/release/tests/e2e/stubs"))
 ENVIRONMENT = {**os.environ, "no_proxy": "127.0.0.1,localhost", "NO_PROXY": "127.0.0.1,localhost"}
 PATIENCE_SECONDS = 60
+COMPOSE = ["docker-compose"] if ENGINE == "podman" else [ENGINE, "compose"]  # over podman's socket
+HTTP, GRPC, PROMETHEUS = 8080, 50051, 9090  # of the compose files
 
 
 def engine(*arguments, check=True, timeout=120):
@@ -80,18 +84,19 @@ class Burnishd:
 
     HTTP, GRPC = 18080, 15051
 
-    def __init__(self, keys, *flags, volume=None, store=None, environment=None):
+    def __init__(self, keys, *flags, volume=None, store=None, environment=None, network=None):
         self.keys = keys
         self.name = f"burnish-test-{secrets.token_hex(4)}"
         self.volume = volume or self.name
         self.own_volume = volume is None
         self.flags, self.environment = flags, environment or {}
+        self.network = ["--network", network] if network else []
         self.store = store or ["-v", f"{self.volume}:/var/lib/burnish"]
 
     def start(self):
         variables = [part for name, value in self.environment.items() for part in ("-e", f"{name}={value}")]
         engine("run", "-d", "--name", self.name, "--read-only", "--tmpfs", "/tmp", "--cap-drop", "ALL", "--security-opt",
-               "no-new-privileges", "-v", f"{self.keys.tokens_file}:/run/secrets/burnish_tokens:ro", *self.store, *variables,
+               "no-new-privileges", "-v", f"{self.keys.tokens_file}:/run/secrets/burnish_tokens:ro", *self.store, *variables, *self.network,
                "-p", f"127.0.0.1:{self.HTTP}:8080", "-p", f"127.0.0.1:{self.GRPC}:50051", "burnish", *self.flags)
         return self
 
@@ -144,3 +149,60 @@ class Burnishd:
 def new_secrets():
     with tempfile.TemporaryDirectory(prefix="burnish-containers-") as folder:
         yield Secrets(folder)
+
+
+@contextlib.contextmanager
+def checks_run():
+    """Podman runs no health check by itself where there is no systemd."""
+    stop = threading.Event()
+
+    def check():
+        while ENGINE == "podman" and not stop.wait(0.2):
+            for name in engine("ps", "--format", "{{.Names}}").stdout.split():
+                engine("healthcheck", "run", name, check=False)
+
+    checking = threading.Thread(target=check)
+    checking.start()
+    try:
+        yield
+    finally:
+        stop.set()
+        checking.join()
+
+
+class Compose:
+    """A compose file as it stands, with secrets of this run beside it; all of it is gone afterwards. The images are there."""
+
+    def __init__(self, file):
+        self.folder = tempfile.TemporaryDirectory(prefix="burnish-compose-")
+        self.file = shutil.copy(ROOT / "docker" / file, self.folder.name)
+        self.keys = Secrets(self.folder.name)
+
+    def run(self, *arguments):
+        done = subprocess.run([*COMPOSE, "-f", self.file, *arguments], capture_output=True, text=True, cwd=self.folder.name,
+                              timeout=180)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def __enter__(self):
+        try:
+            with checks_run():
+                self.run("up", "-d", "--no-build")
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        self.run("down", "-v")
+        self.folder.cleanup()
+
+    def container(self, service):
+        names = engine("ps", "-a", "--format", "{{.Names}}").stdout.split()
+        return next(name for name in names if name.endswith((f"_{service}_1", f"-{service}-1")))
+
+
+def prometheus_targets():
+    """How many burnishd Prometheus scrapes without an error."""
+    status, _, body = call(PROMETHEUS, "GET", "/api/v1/query?query=count(up%7Bjob%3D%22burnish%22%7D%3D%3D1)")
+    result = json.loads(body)["data"]["result"] if status == 200 else []
+    return int(result[0]["value"][1]) if result else 0

@@ -1,9 +1,11 @@
 """The image: what is in it, what it may do, and what it bears."""
 
+import contextlib
 import hashlib
 import json
 import pathlib
 import re
+import socket
 import tempfile
 import time
 import unittest
@@ -103,6 +105,41 @@ class Faults(ImageTest):
             engine("start", server.name)
             eventually(server.ready, "it is back")
             self.assertEqual(self.ended(server, job)["state"], "JOB_STATE_SUCCEEDED")
+
+    def test_an_upload_goes_on_after_a_cut_of_the_network(self):
+        network = "burnish-test-cut"
+        engine("network", "create", network)
+        try:
+            with Burnishd(self.keys, network=network) as server:
+                place = server.call("POST", "/v1/uploads")[1]["location"]
+                token = self.keys.headers["Authorization"]
+                half = len(self.mesh) // 2
+                with socket.create_connection(("127.0.0.1", server.HTTP), 10) as client:
+                    client.sendall(f"PATCH {place} HTTP/1.1\r\nHost: x\r\nAuthorization: {token}\r\nUpload-Offset: 0\r\n"
+                                   f"Upload-Complete: ?1\r\nContent-Type: application/partial-upload\r\n"
+                                   f"Content-Length: {len(self.mesh)}\r\n\r\n".encode() + self.mesh[:half])
+                    eventually(lambda: int(server.call("HEAD", place)[1]["upload-offset"]) > 0, "bytes have come")
+                    engine("network", "disconnect", network, server.name)
+                    with contextlib.suppress(OSError):
+                        client.sendall(self.mesh[half:])
+                engine("network", "connect", network, server.name)
+                eventually(lambda: server.call("GET", "/readyz")[0] == 200, "the network is back")
+
+                def go_on():
+                    # 409 until the server gives the request up whose client it does not hear any more.
+                    offset = int(server.call("HEAD", place)[1]["upload-offset"])
+                    status, _, body = server.call("PATCH", place, self.mesh[offset:],
+                                                  {"Upload-Offset": str(offset), "Upload-Complete": "?1",
+                                                   "Content-Type": "application/partial-upload"})
+                    self.assertIn(status, (200, 409), body)
+                    return status == 200 and (offset, json.loads(body)["sha256"])
+
+                began = time.monotonic()
+                offset, sha256 = eventually(go_on, "it goes on")
+                self.assertEqual(sha256, hashlib.sha256(self.mesh).hexdigest())
+                tell("network cut in an upload", bytes=len(self.mesh), kept=offset, again_after=f"{time.monotonic() - began:.1f} s")
+        finally:
+            engine("network", "rm", "-f", network, check=False)
 
     def test_a_full_volume_is_answered_and_survived(self):
         volume = ["--tmpfs", "/var/lib/burnish:size=4m,mode=1777"]

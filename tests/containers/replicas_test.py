@@ -1,42 +1,20 @@
 """docker/compose.replicas.yaml as it stands: three replicas behind nginx, of which any may end at any time."""
 
 import concurrent.futures
-import contextlib
 import hashlib
 import json
 import pathlib
-import shutil
 import subprocess
 import tempfile
 import threading
 import time
 import unittest
 
-from engine import BURNISH, ENGINE, ENVIRONMENT, ROOT, Secrets, call, engine, eventually, sample, tell
+from engine import (BURNISH, ENGINE, ENVIRONMENT, GRPC, HTTP, PROMETHEUS, Compose, call, engine, eventually, prometheus_targets,
+                    sample, tell)
 
-COMPOSE = ["docker-compose"] if ENGINE == "podman" else [ENGINE, "compose"]  # by podman's socket
 REPLICAS = ["burnish-1", "burnish-2", "burnish-3"]
-HTTP, GRPC, PROMETHEUS = 8080, 50051, 9090
 ENDED = ("JOB_STATE_SUCCEEDED", "JOB_STATE_FAILED", "JOB_STATE_CANCELLED")
-
-
-@contextlib.contextmanager
-def checks_run():
-    """Podman runs no health check by itself where there is no systemd."""
-    stop = threading.Event()
-
-    def check():
-        while ENGINE == "podman" and not stop.wait(0.2):
-            for name in engine("ps", "--format", "{{.Names}}").stdout.split():
-                engine("healthcheck", "run", name, check=False)
-
-    checking = threading.Thread(target=check)
-    checking.start()
-    try:
-        yield
-    finally:
-        stop.set()
-        checking.join()
 
 
 class Replicas(unittest.TestCase):
@@ -45,19 +23,9 @@ class Replicas(unittest.TestCase):
         cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory(prefix="burnish-replicas-")))
         cls.mesh_file = cls.folder / "noisy.obj"
         cls.mesh = sample(cls.mesh_file)
-        # Beside the secrets of this run; the images are there.
-        cls.keys = Secrets(cls.folder)
-        shutil.copy(ROOT / "docker/compose.replicas.yaml", cls.folder)
-        cls.addClassCleanup(cls.compose, "down", "-v")
-        with checks_run():
-            cls.compose("up", "-d", "--no-build")
+        cls.compose = cls.enterClassContext(Compose("compose.replicas.yaml"))
+        cls.keys = cls.compose.keys
         eventually(lambda: all(cls.ask(replica, "GET", "/readyz")[0] == 200 for replica in REPLICAS), "three replicas are ready")
-
-    @classmethod
-    def compose(cls, *arguments):
-        done = subprocess.run([*COMPOSE, "-f", str(cls.folder / "compose.replicas.yaml"), *arguments], capture_output=True,
-                              text=True, cwd=cls.folder, timeout=180)
-        assert done.returncode == 0, done.stdout + done.stderr
 
     @classmethod
     def ask(cls, replica, verb, target, body=None, headers=None):
@@ -66,16 +34,11 @@ class Replicas(unittest.TestCase):
         return call(HTTP, verb, target, body, {**cls.keys.headers, **named, **(headers or {})})
 
     @classmethod
-    def container(cls, replica):
-        names = engine("ps", "-a", "--format", "{{.Names}}").stdout.split()
-        return next(name for name in names if name.endswith((f"_{replica}_1", f"-{replica}-1")))
-
-    @classmethod
     def back(cls, replica):
         """Podman gives a container another hardware address when it starts again, which its neighbours would learn within
         half a minute; Docker's stays."""
         if ENGINE == "podman":
-            balancer = json.loads(engine("inspect", cls.container("balancer")).stdout)[0]["State"]["Pid"]
+            balancer = json.loads(engine("inspect", cls.compose.container("balancer")).stdout)[0]["State"]["Pid"]
             subprocess.run(["nsenter", "-t", str(balancer), "-n", "ip", "neigh", "flush", "all"], check=True)
         eventually(lambda: cls.ask(replica, "GET", "/readyz")[0] == 200, f"{replica} is back")
 
@@ -170,7 +133,7 @@ class Replicas(unittest.TestCase):
         def restart():
             for replica in REPLICAS:
                 began = time.monotonic()
-                engine("restart", "-t", 40, self.container(replica))
+                engine("restart", "-t", 40, self.compose.container(replica))
                 self.back(replica)
                 took.append(round(time.monotonic() - began, 1))
                 time.sleep(1.2)  # for a second nginx takes one that did not answer for dead
@@ -188,9 +151,9 @@ class Replicas(unittest.TestCase):
 
         def kill():
             time.sleep(2)
-            engine("kill", "-s", "KILL", self.container("burnish-2"))
+            engine("kill", "-s", "KILL", self.compose.container("burnish-2"))
             time.sleep(4)
-            engine("start", self.container("burnish-2"))
+            engine("start", self.compose.container("burnish-2"))
             self.back("burnish-2")
 
         calls, jobs, refused, answers = self.under_load(kill, 10)
@@ -202,11 +165,7 @@ class Replicas(unittest.TestCase):
         self.assert_succeeded(before + jobs, expected)
 
     def test_prometheus_scrapes_all_and_evaluates_the_alerts(self):
-        def targets():
-            status, _, body = call(PROMETHEUS, "GET", "/api/v1/query?query=count(up%7Bjob%3D%22burnish%22%7D%3D%3D1)")
-            result = json.loads(body)["data"]["result"] if status == 200 else []
-            return result and result[0]["value"][1] == "3"
-        eventually(targets, "three targets are up")
+        eventually(lambda: prometheus_targets() == 3, "three targets are up")
         rules = json.loads(call(PROMETHEUS, "GET", "/api/v1/rules")[2])["data"]["groups"][0]["rules"]
         eventually(lambda: all(rule["health"] == "ok" for rule in json.loads(
             call(PROMETHEUS, "GET", "/api/v1/rules")[2])["data"]["groups"][0]["rules"]), "every rule is evaluated")

@@ -1,5 +1,5 @@
 // Smooths a mesh as a web developer would: ADDRESS unary|stream OPTIONS MESH OUT, the options being SmoothOptions as
-// JSON. Prints the report as JSON; when the call fails, its code, ErrorInfo reason and message on standard error.
+// JSON. With BURNISH_TOKEN in the environment it shows that token. Prints the report as JSON; when the call fails, its code, ErrorInfo reason and message on standard error.
 const fs = require("fs");
 const path = require("path");
 const { Readable } = require("stream");
@@ -17,9 +17,12 @@ const definition = protoLoader.loadSync(
   },
 );
 
+const credentials = new grpc.Metadata();
+if (process.env.BURNISH_TOKEN) credentials.set("authorization", `Bearer ${process.env.BURNISH_TOKEN}`);
+
 function unary(client, mesh, options) {
   return new Promise((resolve, reject) => {
-    client.smooth({ mesh, options }, (error, response) => (error ? reject(error) : resolve(response)));
+    client.smooth({ mesh, options }, credentials, (error, response) => (error ? reject(error) : resolve(response)));
   });
 }
 
@@ -28,7 +31,7 @@ async function stream(client, mesh, options) {
     yield { start: { options, meshBytes: mesh.length } };
     for (let at = 0; at < mesh.length; at += CHUNK_BYTES) yield { meshChunk: mesh.subarray(at, at + CHUNK_BYTES) };
   }
-  const call = client.smoothStream();
+  const call = client.smoothStream(credentials);
   Readable.from(parts()).pipe(call);
   const chunks = [];
   let report;
