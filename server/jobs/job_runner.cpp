@@ -237,7 +237,7 @@ void JobRunner::wait_for_jobs(std::unique_lock<std::mutex>& lock) {
   std::vector<JobPtr> waiting;
   while (auto job = queue_.pop()) waiting.push_back(*std::move(job));
   kept_waiting_ = 0;
-  refuse(lock, std::move(waiting), {Cause::ShuttingDown, "the server shut down before the job could start"});
+  refuse(lock, waiting, {Cause::ShuttingDown, "the server shut down before the job could start"});
   job_ended_.wait(lock, [this] { return pending_ == 0; });
 }
 
@@ -356,7 +356,7 @@ void JobRunner::keep_house() {
     });
     for (const JobPtr& job : expired) take_out(job);
     if (!expired.empty()) {
-      refuse(lock, std::move(expired), deadline_while_queued());
+      refuse(lock, expired, deadline_while_queued());
     } else {
       queue_changed_.wait_until(lock, next);
     }

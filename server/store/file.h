@@ -26,7 +26,7 @@ class File {
     return owned;
   }
   ~File() {
-    if (file_ >= 0) ::close(file_);
+    if (file_ >= 0) ::close(file_);  // NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): loses pairs
   }
   File(File&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
   File& operator=(File&&) = delete;
