@@ -121,7 +121,8 @@ TEST(Jobs, RefusedByAFullQueuePayNothing) {
                                           sha256_of("secret") + R"("}]})"))
           .value();
   const Caller owner{.owner = "a"};
-  const SmoothJob minutes_worth{.mesh = std::string(60, '#')};
+  const std::string bytes(60, '#');
+  const SmoothJob minutes_worth{.mesh = bytes};
   Gate gate;
   House house({}, {.workers = 1, .queue = 0}, gate.smoother());
   auto running = house.smooth({.mesh = "v 0 0 0\n"});
