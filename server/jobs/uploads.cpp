@@ -26,22 +26,37 @@ Error no_such_upload() { return {Cause::NotFound, "there is no such upload"}; }
 
 struct Uploads::Entry {
   UploadRecord record;
-  bool open = false;  ///< an append is under way, and alone may change the record
+  std::mutex turn;  ///< taken before mutex_: while an append writes, or another takes its place
+  /// The append that is under way, and alone may change the record. Guarded by `turn` too.
+  OpenAppend* holder = nullptr;
+};
+
+/// Nobody else uses the upload's part or its record, except to read it.
+struct Uploads::Turn {
+  EntryPtr entry;
+  std::unique_lock<std::mutex> lock;
 };
 
 class Uploads::OpenAppend final : public Uploads::Append {
  public:
+  /// With both locks.
   OpenAppend(Uploads& of, Caller caller, EntryPtr entry)
-      : uploads_(of), caller_(std::move(caller)), entry_(std::move(entry)), synced_(upload().offset()) {}
+      : uploads_(of), caller_(std::move(caller)), entry_(std::move(entry)), synced_(upload().offset()) {
+    entry_->holder = this;
+  }
   ~OpenAppend() override {
+    const std::lock_guard turn(entry_->turn);
+    if (!holds()) return;
     if (!gone_) {
       if (auto kept = sync(); !kept) spdlog::warn("upload id={}: {}", upload().id(), kept.error().message);
     }
     const std::lock_guard lock(uploads_.mutex_);
-    entry_->open = false;
+    entry_->holder = nullptr;
   }
 
   Result<> write(std::string_view bytes) override {
+    const std::lock_guard turn(entry_->turn);
+    if (!holds()) return taken_over();
     const std::uint64_t limit = upload().bytes() > 0 ? upload().bytes() : uploads_.limit();
     if (bytes.size() > limit - upload().offset()) {
       return Error{Cause::TooLarge, "the upload has more than " + std::to_string(limit) + " bytes, " +
@@ -59,6 +74,8 @@ class Uploads::OpenAppend final : public Uploads::Append {
   }
 
   Result<v1::Upload> finish(bool last) override {
+    const std::lock_guard turn(entry_->turn);
+    if (!holds()) return taken_over();
     if (auto kept = sync(); !kept) return std::move(kept).error();
     const bool whole = upload().bytes() > 0 && upload().offset() == upload().bytes();
     if (last && upload().bytes() > 0 && !whole) {
@@ -75,14 +92,19 @@ class Uploads::OpenAppend final : public Uploads::Append {
     return upload();
   }
 
- private:
-  v1::Upload& upload() { return entry_->record.upload; }
-
+  /// In its turn.
   Result<> sync() {
     if (synced_ == upload().offset()) return {};
     if (auto kept = uploads_.files_.sync_part(upload().id()); !kept) return kept;
     synced_ = upload().offset();
     return uploads_.save(*entry_);
+  }
+
+ private:
+  v1::Upload& upload() { return entry_->record.upload; }
+  bool holds() const { return entry_->holder == this; }
+  static Error taken_over() {
+    return {Cause::NotReady, "a later request goes on with this upload, or removed it"};
   }
 
   Uploads& uploads_;
@@ -116,7 +138,9 @@ Result<> Uploads::start() {
       left.erase(upload.id());
     }
     const std::string id = upload.id();
-    uploads_[id] = std::make_shared<Entry>(Entry{.record = std::move(record)});
+    const auto entry = std::make_shared<Entry>();
+    entry->record = std::move(record);
+    uploads_[id] = entry;
   }
   for (const std::string& part : left) files_.remove_part(part);
   return {};
@@ -191,36 +215,51 @@ Result<v1::Upload> Uploads::get(const Caller& caller, const std::string& id) {
   return (*entry)->record.upload;
 }
 
-Result<> Uploads::remove(const Caller& caller, const std::string& id) {
-  EntryPtr entry;
+Result<Uploads::Turn> Uploads::turn_at(const Caller& caller, const std::string& id) {
+  Turn turn;
   {
     const std::lock_guard lock(mutex_);
     auto found = find(caller, id);
     if (!found) return std::move(found).error();
-    if ((*found)->open) return Error{Cause::NotReady, "bytes of this upload are being received"};
-    entry = *found;
-    uploads_.erase(id);
+    turn.entry = std::move(found).value();
   }
-  forget(entry);
+  turn.lock = std::unique_lock(turn.entry->turn);
+  const std::lock_guard lock(mutex_);
+  if (auto still = find(caller, id); !still) return std::move(still).error();
+  return turn;
+}
+
+Result<> Uploads::remove(const Caller& caller, const std::string& id) {
+  const auto turn = turn_at(caller, id);
+  if (!turn) return turn.error();
+  {
+    const std::lock_guard lock(mutex_);
+    if (uploads_.erase(id) == 0) return no_such_upload();  // swept meanwhile
+    turn->entry->holder = nullptr;
+  }
+  forget(turn->entry);
   return {};
 }
 
+/// What holds the upload may be the connection of a client that lost its network: the later request goes on.
 Result<std::unique_ptr<Uploads::Append>> Uploads::append(const Caller& caller, const std::string& id,
                                                          std::uint64_t offset) {
-  const std::lock_guard lock(mutex_);
-  auto found = find(caller, id);
-  if (!found) return std::move(found).error();
-  Entry& entry = **found;
+  const auto turn = turn_at(caller, id);
+  if (!turn) return turn.error();
+  Entry& entry = *turn->entry;
   const v1::Upload& upload = entry.record.upload;
-  if (entry.open) return Error{Cause::NotReady, "bytes of this upload are being received by another request"};
   if (upload.complete()) return Error{Cause::UploadOffsetMismatch, "the upload is complete"};
   if (upload.offset() != offset) {
     return Error{Cause::UploadOffsetMismatch, "the upload has " + std::to_string(upload.offset()) +
                                                   " bytes; the next ones do not begin at " +
                                                   std::to_string(offset)};
   }
-  entry.open = true;
-  return std::unique_ptr<Append>(std::make_unique<OpenAppend>(*this, caller, *found));
+  if (entry.holder) {
+    if (auto kept = entry.holder->sync(); !kept) return std::move(kept).error();
+  }
+  const std::lock_guard lock(mutex_);
+  if (!uploads_.contains(id)) return no_such_upload();  // swept meanwhile
+  return std::unique_ptr<Append>(std::make_unique<OpenAppend>(*this, caller, turn->entry));
 }
 
 Result<> Uploads::save(Entry& entry) {
@@ -273,7 +312,7 @@ void Uploads::sweep(WallTime at) {
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(uploads_, [&](const auto& each) {
-      const bool over = !each.second->open && each.second->record.expires <= at;
+      const bool over = each.second->holder == nullptr && each.second->record.expires <= at;
       if (over) old.push_back(each.second);
       return over;
     });

@@ -36,7 +36,8 @@ class Uploads {
   Result<v1::Upload> get(const Caller& caller, const std::string& id);
   Result<> remove(const Caller& caller, const std::string& id);
 
-  /// Bytes as they come; what was appended is kept when the connection breaks. One at a time for an upload.
+  /// Bytes as they come; what was appended is kept when the connection breaks. One at a time for an upload:
+  /// every call of one that lost its upload to a later append or to remove() is NotReady.
   class Append {
    public:
     virtual ~Append() = default;  ///< keeps what came
@@ -46,8 +47,8 @@ class Uploads {
     /// BadRequest when it ends before the size that was announced, StorageFull.
     virtual Result<v1::Upload> finish(bool last) = 0;
   };
-  /// Errors: NotFound, UploadOffsetMismatch (also for an upload that is complete), NotReady while another
-  /// append is under way.
+  /// Takes the upload from an append that is under way. Errors: NotFound, UploadOffsetMismatch (also for an
+  /// upload that is complete), StorageFull.
   Result<std::unique_ptr<Append>> append(const Caller& caller, const std::string& id, std::uint64_t offset);
 
   /// Forgets what is out of time.
@@ -57,8 +58,10 @@ class Uploads {
   struct Entry;
   using EntryPtr = std::shared_ptr<Entry>;
   class OpenAppend;
+  struct Turn;
 
   Result<EntryPtr> find(const Caller& caller, const std::string& id);
+  Result<Turn> turn_at(const Caller& caller, const std::string& id);
   Result<> save(Entry& entry);
   void forget(const EntryPtr& entry);
   Result<bool> fill_if_known(Entry& entry);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+#include <vector>
+
 #include "tests/server/jobs_house.h"
 
 namespace burnish {
@@ -61,11 +64,56 @@ TEST(Uploads, KeepWhatCameBeforeTheConnectionBroke) {
   {
     const auto open = std::move(house.uploads.append(kAnyone, made->id(), 0).value());
     EXPECT_TRUE(open->write(kMesh.substr(0, 30)));
-    EXPECT_EQ(cause_of(house.uploads.append(kAnyone, made->id(), 30)), Cause::NotReady) << "one at a time";
   }
   EXPECT_EQ(house.uploads.get(kAnyone, made->id())->offset(), 30U);
   EXPECT_EQ(cause_of(append(house.uploads, made->id(), 29, "x")), Cause::UploadOffsetMismatch);
   EXPECT_TRUE(append(house.uploads, made->id(), 30, kMesh.substr(30))->complete());
+}
+
+/// The connection of a client that lost its network looks alive for a while.
+TEST(Uploads, GoToTheNextRequestWhileADeadConnectionHoldsThem) {
+  JobsHouse house;
+  const auto made = house.uploads.create(kAnyone, 0, sha256_of(kMesh));
+  auto dead = std::move(house.uploads.append(kAnyone, made->id(), 0).value());
+  ASSERT_TRUE(dead->write(kMesh.substr(0, 30)));
+  EXPECT_EQ(cause_of(house.uploads.append(kAnyone, made->id(), 0)), Cause::UploadOffsetMismatch);
+  ASSERT_TRUE(dead->write(kMesh.substr(30, 10))) << "and still holds it";
+  const auto next = house.uploads.append(kAnyone, made->id(), 40);
+  ASSERT_TRUE(next) << next.error().message;
+  EXPECT_EQ(cause_of(dead->write("x")), Cause::NotReady);
+  EXPECT_EQ(cause_of(dead->finish(true)), Cause::NotReady);
+  ASSERT_TRUE((*next)->write(kMesh.substr(40)));
+  dead.reset();
+  EXPECT_EQ((*next)->finish(true)->sha256(), sha256_of(kMesh));
+}
+
+TEST(Uploads, HaveOneWriterHoweverManyTakeThemOver) {
+  JobsHouse house;
+  const auto made = house.uploads.create(kAnyone, 0, "");
+  std::vector<std::jthread> clients;
+  for (int client = 0; client < 4; ++client) {
+    clients.emplace_back([&] {
+      for (std::uint64_t at = 0; at < kMesh.size();) {
+        at = house.uploads.get(kAnyone, made->id())->offset();
+        const auto open = house.uploads.append(kAnyone, made->id(), at);
+        for (; open && at < kMesh.size(); ++at) {
+          if (!(*open)->write(kMesh.substr(at, 1))) break;
+        }
+      }
+    });
+  }
+  clients.clear();
+  EXPECT_EQ(append(house.uploads, made->id(), kMesh.size(), "", true)->sha256(), sha256_of(kMesh));
+}
+
+TEST(Uploads, AreRemovedWhileBytesCome) {
+  JobsHouse house;
+  const auto made = house.uploads.create(kAnyone, 0, "");
+  const auto open = std::move(house.uploads.append(kAnyone, made->id(), 0).value());
+  ASSERT_TRUE(open->write(kMesh));
+  EXPECT_TRUE(house.uploads.remove(kAnyone, made->id()));
+  EXPECT_EQ(cause_of(open->write("x")), Cause::NotReady);
+  EXPECT_EQ(house.store.files->bytes(), 0U);
 }
 
 TEST(Uploads, GoOnInTheNextServer) {
