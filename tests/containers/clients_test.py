@@ -12,6 +12,7 @@ import unittest
 
 from engine import BURNISH, ENVIRONMENT, PATIENCE_SECONDS, ROOT, Burnishd, new_secrets, sample, tell
 
+import draco3d
 import grpc
 from burnish.v1 import smoothing_pb2, smoothing_pb2_grpc
 
@@ -92,6 +93,24 @@ class Clients(unittest.TestCase):
                 self.run_client("curl", "-sS", "--fail", "--http1.1", "-H", f"Authorization: Bearer {self.keys.token}", "-o", out,
                                 *flags, f"{self.http}/v1/smooth{query}")
                 self.assertEqual(out.read_bytes(), self.expected)
+
+    def test_draco3d(self):
+        positions, faces = draco3d.read_obj(self.folder / "out.obj")
+        distance = 0
+        for version in draco3d.VERSIONS:
+            for method in draco3d.METHODS:
+                with self.subTest(version=version, method=method):
+                    drc = self.folder / f"{version}-{method}.drc"
+                    status, _, result = self.server.call("POST", f"/v1/smooth?{QUERY}", draco3d.encode(
+                        NODE_MODULES, version, self.mesh_file, drc, method))
+                    self.assertEqual(status, 200)
+                    drc.write_bytes(result)
+                    found, found_faces = draco3d.decode(NODE_MODULES, version, drc)
+                    self.assertEqual(found_faces, faces)
+                    distance = max(distance, draco3d.largest_distance(found, positions))
+        self.assertLess(distance, 1e-6, "of the mesh's extent: floats")
+        tell("draco3d", versions=" ".join(draco3d.VERSIONS), methods=" ".join(draco3d.METHODS),
+             largest_distance_from_the_OBJ_result=f"{distance:.1e}")
 
     def test_h2load(self):
         # Calls of gRPC as HTTP/2 posts, by a tool that knows no gRPC: ListMethods takes an empty message.

@@ -10,6 +10,7 @@ import grpc
 from google.protobuf import json_format
 from google.rpc import error_details_pb2
 
+import draco3d
 from burnish.v1 import smoothing_pb2
 from programs import ENVIRONMENT, NODE_MODULES, PATIENCE_SECONDS, MeshTest, Server, error_info, needs_npm, smooth_request
 
@@ -134,6 +135,21 @@ class Clients(MeshTest):
                     client(self.server, bad)
                 self.assertEqual(raised.exception.reason, "INDEX_OUT_OF_RANGE")
                 self.assertRegex(raised.exception.message, r"vertex 9 .*line 4")
+
+    def test_draco3d_of_three_versions_writes_what_comes_in_and_reads_what_comes_out(self):
+        out = self.folder / "expected.obj"
+        self.run_burnish("smooth", self.noisy, out, "--method", OPTIONS["method"], "--iterations", OPTIONS["iterations"])
+        positions, faces = draco3d.read_obj(out)
+        for version in draco3d.VERSIONS:
+            for method in draco3d.METHODS:
+                with self.subTest(version=version, method=method):
+                    drc = self.folder / f"{version}-{method}.drc"
+                    draco3d.encode(NODE_MODULES, version, self.noisy, drc, method)
+                    result = self.folder / "result.drc"
+                    result.write_bytes(curl(self.server, drc)[0])
+                    found, found_faces = draco3d.decode(NODE_MODULES, version, result)
+                    self.assertEqual(found_faces, faces)
+                    self.assertLess(draco3d.largest_distance(found, positions), 1e-6, "of the mesh's extent: floats")
 
     def test_grpcio_compares_by_stream(self):
         expected = json.loads(self.run_burnish("compare", self.clean, self.noisy, "--json").stdout)
