@@ -11,9 +11,8 @@ std::optional<Format> format_of_name(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  if (extension == ".obj") return Format::Obj;
-  if (extension == ".drc") return Format::Draco;
-  return std::nullopt;
+  if (extension.empty()) return std::nullopt;
+  return format_named(std::string_view(extension).substr(1));
 }
 
 Limits no_limits() {

@@ -8,7 +8,7 @@
 
 namespace burnish::cli {
 
-/// The format that the name's extension promises: .obj or .drc, in either case; else nothing.
+/// The format that the name's extension promises, such as .obj or .drc, in either case; else nothing.
 std::optional<Format> format_of_name(const std::string& path);
 
 /// Files on one's own machine are not limited; memory is.

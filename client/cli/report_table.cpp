@@ -6,6 +6,8 @@
 #include <ostream>
 #include <string>
 
+#include "server/service/smooth_service.h"
+
 namespace burnish::cli {
 namespace {
 
@@ -44,7 +46,8 @@ std::string list(const Parameters& parameters) {
 }
 
 std::string encoding(const v1::EncodingSummary& encoding) {
-  if (encoding.format() != v1::MESH_FORMAT_DRACO) return "obj";
+  if (encoding.format() != v1::MESH_FORMAT_DRACO)
+    return std::string(format_name(from_proto(encoding.format()).value_or(Format::Obj)));
   const std::string method =
       encoding.draco_method() == v1::DRACO_METHOD_EDGEBREAKER ? "edgebreaker" : "sequential";
   const std::string bits =

@@ -5,8 +5,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/files.h"
 #include "client/cli/mesh_files.h"
-#include "core/io/draco.h"
-#include "core/io/obj.h"
+#include "core/io/codec.h"
 #include "core/shape/noise.h"
 #include "core/shape/sample.h"
 
@@ -68,9 +67,8 @@ Result<> make_sample_file(const SampleArguments& arguments, const Console& conso
   Result<NoisySurface> noisy = noisy_surface(shape->positions, shape->triangles, arguments.noise, run);
   if (!noisy) return noisy.error();
   const MovedPositions moved = noisy->moved(shape->positions);
-  Result<Encoded> file = format_of_name(arguments.out) == Format::Draco
-                             ? encode_as_draco(moved, shape->triangles, {}, {}, run)
-                             : encode_as_obj(moved, shape->triangles, {}, run);
+  const Format format = format_of_name(arguments.out).value_or(Format::Obj);
+  Result<Encoded> file = encode_as(format, moved, shape->triangles, {}, {}, run);
   if (!file) return file.error();
   return write_file(arguments.out, file->bytes);
 }
@@ -95,7 +93,7 @@ void add_noise_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<NoiseArguments>();
   NoiseOptions& noise = arguments->noise;
   CLI::App* command = app.add_subcommand("noise", "Add artificial scanner noise to a mesh");
-  command->add_option("IN", arguments->in, "Mesh file, OBJ or Draco")->required();
+  command->add_option("IN", arguments->in, "Mesh file: " + list_of_format_names())->required();
   command->add_option("OUT", arguments->out, "File to write, in the format of its extension, else as IN")
       ->required();
   add_noise_size(command, noise);
@@ -120,7 +118,8 @@ void add_sample_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("sample",
                                          "Write a made-up scan: a cube with a dome, a bowl and pyramids, "
                                          "under gaussian noise along its normals");
-  command->add_option("OUT", arguments->out, "File to write: .drc for Draco, else OBJ")->required();
+  command->add_option("OUT", arguments->out, "File to write, in the format of its extension, else OBJ")
+      ->required();
   add_noise_size(command, arguments->noise);
   command->add_option("--resolution", arguments->resolution, "Cells per side, 4 to 1000; 12 N^2 triangles")
       ->capture_default_str();

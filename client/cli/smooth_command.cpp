@@ -184,7 +184,7 @@ Result<> smooth(const SmoothArguments& arguments, const Console& console) {
 }
 
 void add_files(CLI::App* command, SmoothArguments& arguments) {
-  command->add_option("IN", arguments.in, "Mesh file, OBJ or Draco")->required();
+  command->add_option("IN", arguments.in, "Mesh file: " + list_of_format_names())->required();
   command->add_option("OUT", arguments.out, "File to write; left as it was when anything fails")->required();
   command->add_option("--reference", arguments.reference,
                       "Measure the errors against this mesh, not against IN");
@@ -218,13 +218,16 @@ void add_pins(CLI::App* command, SmoothArguments& arguments) {
 }
 
 void add_output(CLI::App* command, SmoothArguments& arguments) {
-  static const std::map<std::string, v1::MeshFormat> kFormats = {{"obj", v1::MESH_FORMAT_OBJ},
-                                                                 {"drc", v1::MESH_FORMAT_DRACO}};
+  static const auto kFormats = [] {
+    std::map<std::string, v1::MeshFormat> all;
+    for (const FormatTraits& each : formats()) all.emplace(each.name, to_proto(each.format));
+    return all;
+  }();
   static const std::map<std::string, v1::DracoMethod> kMethods = {
       {"sequential", v1::DRACO_METHOD_SEQUENTIAL}, {"edgebreaker", v1::DRACO_METHOD_EDGEBREAKER}};
   command
       ->add_option("--output-format", arguments.output_format,
-                   "obj or drc; default: OUT's extension, else as IN")
+                   list_of_format_names() + "; default: OUT's extension, else as IN")
       ->transform(CLI::CheckedTransformer(kFormats, CLI::ignore_case).description("TEXT"));
   command
       ->add_option("--draco-method", arguments.draco_method,

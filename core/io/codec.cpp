@@ -1,6 +1,6 @@
 #include "core/io/codec.h"
 
-#include <algorithm>
+#include <map>
 
 #include "core/io/draco.h"
 #include "core/io/obj.h"
@@ -8,12 +8,52 @@
 namespace burnish {
 namespace {
 
-bool looks_like_text(std::string_view bytes) {
-  const std::string_view head = bytes.substr(0, 4096);
-  return std::ranges::none_of(head, [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return byte < 32 && c != '\t' && c != '\n' && c != '\r' && c != '\f' && c != '\v';
-  });
+/// How one format is read and how a mesh of another becomes one.
+struct Codec {
+  Result<std::unique_ptr<Document>> (*decode)(std::string_view, const Limits&, const RunControl&) = nullptr;
+  Result<Encoded> (*encode_as)(const MovedPositions&, std::span<const Triangle>, const SharedAttributes&,
+                               const OutputOptions&, const RunControl&) = nullptr;
+};
+
+const Codec& codec_of(Format format) {
+  static const std::map<Format, Codec> kCodecs = {
+      {Format::Obj,
+       {.decode = [](std::string_view bytes, const Limits& limits,
+                     const RunControl& run) { return decode_obj(bytes, limits, run); },
+        .encode_as = [](const MovedPositions& moved, std::span<const Triangle> triangles,
+                        const SharedAttributes& attributes, const OutputOptions&,
+                        const RunControl& run) { return encode_as_obj(moved, triangles, attributes, run); }}},
+      {Format::Draco,
+       {.decode = decode_draco,
+        .encode_as =
+            [](const MovedPositions& moved, std::span<const Triangle> triangles,
+               const SharedAttributes& attributes, const OutputOptions& options, const RunControl& run) {
+              return encode_as_draco(moved, triangles, attributes, options.draco, run);
+            }}},
+  };
+  static const Codec kNothing;
+  const auto found = kCodecs.find(format);
+  return found == kCodecs.end() ? kNothing : found->second;
+}
+
+Error cannot(Cause cause, std::string_view what, Format format) {
+  return {cause, std::string(traits_of(format).title) + " cannot be " + std::string(what) + " yet"};
+}
+
+/// Takes out what the target has no place for, and remembers that.
+void drop_what_cannot_be_held(SharedAttributes& attributes, const FormatTraits& target) {
+  if (!target.carries_normals && attributes.normals) {
+    attributes.normals.reset();
+    attributes.dropped.emplace_back("normals");
+  }
+  if (!target.carries_texture_coordinates && attributes.texture_coordinates) {
+    attributes.texture_coordinates.reset();
+    attributes.dropped.emplace_back("texture coordinates");
+  }
+  if (!target.carries_colors && !attributes.colors.empty()) {
+    attributes.colors.clear();
+    attributes.dropped.emplace_back("colours");
+  }
 }
 
 std::string joined(const std::vector<std::string>& items) {
@@ -24,14 +64,6 @@ std::string joined(const std::vector<std::string>& items) {
 
 }  // namespace
 
-std::string_view format_name(Format format) { return format == Format::Obj ? "obj" : "drc"; }
-
-std::optional<Format> detect_format(std::string_view bytes) {
-  if (bytes.starts_with("DRACO")) return Format::Draco;
-  if (looks_like_text(bytes)) return Format::Obj;
-  return std::nullopt;
-}
-
 Result<std::unique_ptr<Document>> decode(std::string_view bytes, std::optional<Format> format,
                                          const Limits& limits, const RunControl& run) {
   if (bytes.size() > limits.max_bytes) {
@@ -39,8 +71,14 @@ Result<std::unique_ptr<Document>> decode(std::string_view bytes, std::optional<F
                                       std::to_string(limits.max_bytes) + " (max-bytes)"};
   }
   if (!format) format = detect_format(bytes);
-  if (!format) return Error{Cause::UnsupportedFormat, "the mesh is neither OBJ text nor Draco"};
-  return *format == Format::Obj ? decode_obj(bytes, limits, run) : decode_draco(bytes, limits, run);
+  if (!format) {
+    return Error{
+        Cause::UnsupportedFormat,
+        "the mesh is in none of the formats that are known by their content: " + list_of_format_names()};
+  }
+  const Codec& codec = codec_of(*format);
+  if (codec.decode == nullptr) return cannot(Cause::UnsupportedFormat, "read", *format);
+  return codec.decode(bytes, limits, run);
 }
 
 Result<Encoded> encode(const Document& document, const MovedPositions& moved, const OutputOptions& options,
@@ -49,13 +87,19 @@ Result<Encoded> encode(const Document& document, const MovedPositions& moved, co
   if (target == document.format()) return document.encode_same(moved, options, run);
   auto attributes = document.shared_attributes(moved, run);
   if (!attributes) return attributes.error();
-  auto encoded = target == Format::Obj
-                     ? encode_as_obj(moved, document.triangles(), *attributes, run)
-                     : encode_as_draco(moved, document.triangles(), *attributes, options.draco, run);
-  if (encoded && !attributes->dropped.empty()) {
+  return encode_as(target, moved, document.triangles(), std::move(*attributes), options, run);
+}
+
+Result<Encoded> encode_as(Format format, const MovedPositions& moved, std::span<const Triangle> triangles,
+                          SharedAttributes attributes, const OutputOptions& options, const RunControl& run) {
+  const Codec& codec = codec_of(format);
+  if (codec.encode_as == nullptr) return cannot(Cause::CannotEncode, "written", format);
+  drop_what_cannot_be_held(attributes, traits_of(format));
+  auto encoded = codec.encode_as(moved, triangles, attributes, options, run);
+  if (encoded && !attributes.dropped.empty()) {
     encoded->warnings.push_back({"attributes_dropped",
-                                 "the other format cannot carry: " + joined(attributes->dropped),
-                                 static_cast<std::uint32_t>(attributes->dropped.size())});
+                                 "the other format cannot carry: " + joined(attributes.dropped),
+                                 static_cast<std::uint32_t>(attributes.dropped.size())});
   }
   return encoded;
 }

@@ -10,16 +10,14 @@
 #include <string_view>
 #include <vector>
 
+#include "core/io/format.h"
 #include "core/mesh/surface.h"
 
 namespace burnish {
 
-enum class Format : std::uint8_t { Obj, Draco };
-std::string_view format_name(Format format);  ///< "obj", "drc"
-
 enum class DracoMethod : std::uint8_t { Sequential, Edgebreaker };
 
-/// How to write Draco. Unset means: as in the input; for an OBJ input sequential, lossless, speed 5.
+/// How to write Draco. Unset means: as in the input; for any other input sequential, lossless, speed 5.
 struct DracoOptions {
   std::optional<DracoMethod> method = {};
   /// Bits per component, 1 to 30; 0 = lossless floats. Normals: octahedral, 2 to 30 or 0.
@@ -41,7 +39,7 @@ struct MeshAttribute {
   std::vector<Triangle> corners;  ///< row of each triangle corner; kNone where the file gives none
 };
 
-/// The attributes that OBJ and Draco both know.
+/// The attributes that more than one format knows.
 struct SharedAttributes {
   std::optional<MeshAttribute> normals;              ///< 3 components
   std::optional<MeshAttribute> texture_coordinates;  ///< 2 components
@@ -108,9 +106,6 @@ class Document {
   std::vector<Triangle> triangles_;
 };
 
-/// Tells the format by content ("DRACO" magic, else OBJ when it looks like text); nothing when it is neither.
-std::optional<Format> detect_format(std::string_view bytes);
-
 /// Decodes and checks. `bytes` must stay alive and unchanged as long as the Document. `format` unset:
 /// detected. Errors: UnsupportedFormat, MalformedMesh, IndexOutOfRange, NonFinitePosition, EmptyMesh,
 /// NotATriangleMesh, TooLarge, OutOfMemory, Cancelled, DeadlineExceeded.
@@ -118,8 +113,13 @@ Result<std::unique_ptr<Document>> decode(std::string_view bytes, std::optional<F
                                          const Limits& limits, const RunControl& run);
 
 /// Writes a document with moved positions, in its own format or another.
-/// Errors: CannotEncode, Cancelled, DeadlineExceeded, OutOfMemory.
+/// Errors: CannotEncode, BadOption, Cancelled, DeadlineExceeded, OutOfMemory.
 Result<Encoded> encode(const Document& document, const MovedPositions& moved, const OutputOptions& options,
                        const RunControl& run);
+
+/// Writes any mesh as a new file. What the format has no place for is left out, with a warning that names it
+/// together with attributes.dropped. `options.format` is ignored. Errors: those of encode().
+Result<Encoded> encode_as(Format format, const MovedPositions& moved, std::span<const Triangle> triangles,
+                          SharedAttributes attributes, const OutputOptions& options, const RunControl& run);
 
 }  // namespace burnish

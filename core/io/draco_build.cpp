@@ -2,78 +2,26 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <unordered_map>
 
 #include "core/io/draco_document.h"
+#include "core/io/seams.h"
 
 namespace burnish {
 namespace {
 
 using Attribute = draco::GeometryAttribute;
 
-/// A file vertex with the attribute rows that a corner gives it.
-struct Point {
-  Index vertex = 0, normal = kNone, texture = kNone;
-  friend bool operator==(const Point&, const Point&) = default;
-};
-
-struct PointHash {
-  std::size_t operator()(const Point& p) const {
-    std::uint64_t h = (std::uint64_t{p.vertex} << 32 | p.normal) * 0x9E3779B97F4A7C15u;
-    h = ((h ^ (h >> 29)) + p.texture) * 0xBF58476D1CE4E5B9u;
-    return static_cast<std::size_t>(h ^ (h >> 32));
-  }
-};
-
-/// Points 0 .. n-1 are the file's vertices, each with the attributes of the first corner that uses it; a
-/// corner with other attributes (at a seam) gets a copy of its vertex after them, in the order of first use.
-struct Points {
-  std::vector<Point> points;
-  std::vector<Triangle> triangles;
-};
-
-Result<Points> make_points(std::size_t vertices, std::span<const Triangle> triangles,
-                           const SharedAttributes& attributes, const RunControl& run) {
-  Points result;
-  result.points.resize(vertices);
-  for (Index v = 0; v < vertices; ++v) result.points[v].vertex = v;
-  result.triangles.resize(triangles.size());
-  std::vector<std::uint8_t> used(vertices, 0);
-  std::unordered_map<Point, Index, PointHash> copies;
-
-  const auto row = [](const std::optional<MeshAttribute>& attribute, Index t, std::size_t c) {
-    return attribute ? attribute->corners[t][c] : kNone;
-  };
-  const bool done = for_each_index(triangles.size(), run, [&](Index t) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const Index v = triangles[t][c];
-      const Point wanted{v, row(attributes.normals, t, c), row(attributes.texture_coordinates, t, c)};
-      if (used[v] == 0) {
-        used[v] = 1;
-        result.points[v] = wanted;
-      }
-      result.triangles[t][c] = v;
-      if (result.points[v] == wanted) continue;
-      const auto [copy, is_new] = copies.try_emplace(wanted, static_cast<Index>(result.points.size()));
-      if (is_new) result.points.push_back(wanted);
-      result.triangles[t][c] = copy->second;
-    }
-  });
-  if (!done) return run.stop_error();
-  return result;
-}
-
 /// Adds an attribute with `values`, whose row for each point `row_of` tells; kNone gets a row of zeros.
 template <class T, class RowOf>
 void add_attribute(draco::Mesh& mesh, Attribute::Type type, draco::DataType data_type, int components,
-                   std::span<const T> values, std::span<const Point> points, RowOf row_of) {
+                   std::span<const T> values, std::span<const SeamPoint> points, RowOf row_of) {
   const auto stride = static_cast<std::size_t>(components);
   const auto rows = static_cast<Index>(values.size() / stride);
   Attribute description;
   description.Init(type, nullptr, static_cast<std::uint8_t>(components), data_type,
                    data_type == draco::DT_UINT8, static_cast<std::int64_t>(stride * sizeof(T)), 0);
   const bool gap =
-      std::any_of(points.begin(), points.end(), [&](const Point& p) { return row_of(p) == kNone; });
+      std::any_of(points.begin(), points.end(), [&](const SeamPoint& p) { return row_of(p) == kNone; });
   const int id = mesh.AddAttribute(description, false, gap ? rows + 1 : rows);
   draco::PointAttribute& attribute = *mesh.attribute(id);
   attribute.buffer()->Write(0, values.data(), values.size_bytes());
@@ -100,8 +48,8 @@ std::vector<std::uint8_t> as_bytes(std::span<const float> colors) {
   return bytes;
 }
 
-void add_colors(draco::Mesh& mesh, std::span<const float> colors, std::span<const Point> points) {
-  const auto vertex = [](const Point& p) { return p.vertex; };
+void add_colors(draco::Mesh& mesh, std::span<const float> colors, std::span<const SeamPoint> points) {
+  const auto vertex = [](const SeamPoint& p) { return p.vertex; };
   const std::vector<std::uint8_t> bytes = as_bytes(colors);
   if (bytes.empty()) {
     add_attribute<float>(mesh, Attribute::COLOR, draco::DT_FLOAT32, 3, colors, points, vertex);
@@ -125,9 +73,9 @@ Result<Encoded> build_and_write(const MovedPositions& moved, std::span<const Tri
                                 const RunControl& run) {
   const auto positions = float_positions(moved, run);
   if (!positions) return positions.error();
-  const auto made = make_points(moved.original.size(), triangles, attributes, run);
+  const auto made = split_at_seams(moved.original.size(), triangles, attributes, run);
   if (!made) return made.error();
-  const std::span<const Point> points = made->points;
+  const std::span<const SeamPoint> points = made->points;
 
   draco::Mesh mesh;
   mesh.set_num_points(static_cast<std::uint32_t>(points.size()));
@@ -139,15 +87,15 @@ Result<Encoded> build_and_write(const MovedPositions& moved, std::span<const Tri
   if (!done) return run.stop_error();
 
   add_attribute<float>(mesh, Attribute::POSITION, draco::DT_FLOAT32, 3, *positions, points,
-                       [](const Point& p) { return p.vertex; });
+                       [](const SeamPoint& p) { return p.vertex; });
   if (attributes.normals) {
     add_attribute<float>(mesh, Attribute::NORMAL, draco::DT_FLOAT32, 3, attributes.normals->values, points,
-                         [](const Point& p) { return p.normal; });
+                         [](const SeamPoint& p) { return p.normal; });
   }
   if (attributes.texture_coordinates) {
     add_attribute<float>(mesh, Attribute::TEX_COORD, draco::DT_FLOAT32, 2,
                          attributes.texture_coordinates->values, points,
-                         [](const Point& p) { return p.texture; });
+                         [](const SeamPoint& p) { return p.texture; });
   }
   if (!attributes.colors.empty()) add_colors(mesh, attributes.colors, points);
 

@@ -121,7 +121,9 @@ std::uint64_t Estimate::memory_with(std::uint64_t smoothing_bytes) const {
 Estimate estimate(std::string_view bytes, std::optional<Format> format) {
   if (!format) format = detect_format(bytes);
   if (!format) return estimate(bytes.size(), std::nullopt);
-  return *format == Format::Obj ? estimate_obj(bytes) : estimate_draco(bytes);
+  if (*format == Format::Obj) return estimate_obj(bytes);
+  if (*format == Format::Draco) return estimate_draco(bytes);
+  return estimate(bytes.size(), format);
 }
 
 Estimate estimate(std::uint64_t bytes, std::optional<Format> format) {

@@ -37,15 +37,6 @@ std::string_view rest_of_line(std::string_view text, std::uint64_t begin) {
 
 }  // namespace
 
-std::uint64_t line_at(std::string_view text, std::uint64_t offset) {
-  std::uint64_t line = 1;
-  for (std::uint64_t i = 0; i < offset && i < text.size(); ++i) {
-    const bool lone_return = text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n');
-    line += text[i] == '\n' || lone_return;
-  }
-  return line;
-}
-
 std::string ObjDocument::vertex_place(Index vertex) const {
   return "vertex " + std::to_string(vertex + 1) + " (line " +
          std::to_string(line_at(text_, vertex_text_[vertex].begin)) + ')';

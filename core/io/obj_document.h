@@ -2,14 +2,9 @@
 #pragma once
 
 #include "core/io/obj.h"
+#include "core/io/text_scan.h"
 
 namespace burnish {
-
-/// A stretch of the file's text.
-struct TextRange {
-  std::uint64_t begin = 0;
-  std::uint64_t length = 0;
-};
 
 class ObjDocument final : public Document {
  public:
@@ -35,8 +30,5 @@ class ObjDocument final : public Document {
   std::vector<Index> face_of_triangle_;    // empty when every face is a triangle
   bool has_more_ = false;                  // groups, materials, lines... that only OBJ can carry
 };
-
-/// 1-based line of a place in a text.
-std::uint64_t line_at(std::string_view text, std::uint64_t offset);
 
 }  // namespace burnish

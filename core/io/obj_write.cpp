@@ -10,32 +10,6 @@ namespace {
 
 constexpr int kUnitDecimals = 6;  // of normals and colours
 
-/// Copies a stretch of a text, replacing stretches of it in ascending order.
-class Patcher {
- public:
-  Patcher(std::string_view text, std::uint64_t begin, std::uint64_t end)
-      : text_(text), copied_(begin), end_(end) {
-    out_.reserve((end - begin) + (end - begin) / 8 + 64);
-  }
-
-  /// Where the replacement for `range` is to be appended.
-  std::string& replace(const TextRange& range) {
-    out_.append(text_, copied_, range.begin - copied_);
-    copied_ = range.begin + range.length;
-    return out_;
-  }
-
-  std::string finish() && {
-    out_.append(text_, copied_, end_ - copied_);
-    return std::move(out_);
-  }
-
- private:
-  std::string_view text_;
-  std::string out_;
-  std::uint64_t copied_, end_;
-};
-
 /// A place between lines of vertices and normals: the next of each.
 struct Place {
   std::uint64_t offset = 0;

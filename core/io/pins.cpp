@@ -10,8 +10,7 @@ namespace {
 constexpr std::size_t kMostNames = 8;
 
 Error not_of_format(Format format, const std::string& kind) {
-  return {Cause::BadOption,
-          (format == Format::Obj ? "an OBJ has no " : "a Draco mesh has no ") + kind + "s to pin by",
+  return {Cause::BadOption, std::string(traits_of(format).title) + " has no " + kind + "s to pin by",
           "pinned." + kind};
 }
 

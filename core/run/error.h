@@ -19,7 +19,7 @@ enum class Cause : std::uint8_t {
   UnknownOption,  ///< a parameter or option that the method does not have
   UnknownMethod,  ///< no method of that name
   // The mesh.
-  UnsupportedFormat,  ///< neither OBJ nor Draco, or a variant that cannot be carried
+  UnsupportedFormat,  ///< none of the known formats, or a variant that cannot be carried
   MalformedMesh,      ///< the bytes break the rules of their format
   IndexOutOfRange,    ///< a face names a vertex, normal or texture coordinate that does not exist
   NonFinitePosition,  ///< a coordinate is NaN, infinite, or too large to compute with

@@ -13,11 +13,13 @@ namespace {
 
 constexpr std::size_t kLeastBytes = 1 << 10;
 
-/// Draco is packed already.
+/// Draco is packed already; of formats that may be text, binary files are sent as they are.
 bool is_text(const HttpResponse& response) {
   const auto found = response.headers.find("Content-Type");
   const std::string type = found == response.headers.end() ? "" : media_type(found->second);
-  constexpr std::array kTypes{"model/obj", "application/json", "application/problem+json"};
+  if (const auto format = format_of_media_type(type))
+    return traits_of(*format).may_be_text && looks_like_text(response.body);
+  constexpr std::array kTypes{"application/json", "application/problem+json"};
   return type.starts_with("text/") || std::ranges::find(kTypes, type) != kTypes.end();
 }
 

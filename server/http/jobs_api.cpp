@@ -1,11 +1,11 @@
 #include "server/http/jobs_api.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <chrono>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "server/http/byte_range.h"
 #include "server/http/header_value.h"
@@ -52,9 +52,10 @@ std::optional<seconds> wait_of(std::string_view prefer) {
 }
 
 bool wants_mesh(std::string_view accept) {
-  constexpr std::array kOffers{kJsonType, std::string_view("model/obj"), std::string_view("model/vnd.draco"),
-                               kAnyBytesType};
-  const auto best = best_offer(accept, kOffers);
+  std::vector<std::string_view> offers{kJsonType};
+  for (const FormatTraits& each : formats()) offers.push_back(each.media_type);
+  offers.push_back(kAnyBytesType);
+  const auto best = best_offer(accept, offers);
   return best && *best != kJsonType;
 }
 

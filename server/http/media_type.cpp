@@ -30,9 +30,7 @@ double quality_for(std::string_view type, std::string_view accept) {
 
 }  // namespace
 
-std::string_view media_type_of(Format format) {
-  return format == Format::Obj ? "model/obj" : "model/vnd.draco";
-}
+std::string_view media_type_of(Format format) { return traits_of(format).media_type; }
 
 std::string media_type(std::string_view content_type) {
   std::string type(split_value(content_type, ';').front());
@@ -44,16 +42,14 @@ bool is_form(std::string_view content_type) { return media_type(content_type) ==
 
 Result<std::optional<Format>> mesh_format(std::string_view content_type) {
   const std::string type = media_type(content_type);
-  for (const Format format : {Format::Obj, Format::Draco}) {
-    if (type == media_type_of(format)) return std::optional(format);
-  }
+  if (const auto format = format_of_media_type(type)) return format;
   // The last is what curl --data-binary sends unless told otherwise.
   constexpr std::array<std::string_view, 4> kByContent{"", kAnyBytesType, "text/plain",
                                                        "application/x-www-form-urlencoded"};
   if (std::ranges::find(kByContent, type) != kByContent.end()) return std::optional<Format>();
-  return Error{Cause::UnsupportedFormat, "Content-Type '" + type +
-                                             "' is not a mesh; send model/obj, model/vnd.draco or "
-                                             "application/octet-stream"};
+  return Error{Cause::UnsupportedFormat, "Content-Type '" + type + "' is not a mesh; send " +
+                                             list_of_media_types() +
+                                             ", or application/octet-stream for any of them"};
 }
 
 std::optional<std::string_view> best_offer(std::string_view accept,

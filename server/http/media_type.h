@@ -13,7 +13,7 @@ namespace burnish {
 inline constexpr std::string_view kJsonType = "application/json";
 inline constexpr std::string_view kAnyBytesType = "application/octet-stream";
 
-std::string_view media_type_of(Format format);  ///< "model/obj", "model/vnd.draco"
+std::string_view media_type_of(Format format);  ///< "model/obj"
 
 /// Without parameters, in lower case: "model/obj" of "Model/OBJ; charset=utf-8".
 std::string media_type(std::string_view content_type);

@@ -25,6 +25,12 @@ constexpr std::uint32_t kMostVertex = 0xffffffff;
 /// A file as it is: OpenAPI 3.1 says so by saying nothing.
 Json file() { return {{"schema", Json::object()}}; }
 
+Json names_of_formats() {
+  Json names = Json::array();
+  for (const FormatTraits& each : formats()) names.push_back(each.name);
+  return names;
+}
+
 Json common_parameters() {
   return {openapi_reference("parameters", "RequestId"), openapi_reference("parameters", "traceparent")};
 }
@@ -40,7 +46,7 @@ Json smooth_parameters(const RequestLimits& limits) {
   for (const auto& [name, schema] : of_methods.items()) {
     list.push_back(query_parameter(name, schema, schema["description"]));
   }
-  list.push_back(query_parameter("output", {{"type", "string"}, {"enum", {"obj", "drc"}}},
+  list.push_back(query_parameter("output", {{"type", "string"}, {"enum", names_of_formats()}},
                                  "Format of the result; default: the mesh's."));
   list.push_back(query_parameter("draco_method",
                                  {{"type", "string"}, {"enum", {"sequential", "edgebreaker"}}},
@@ -78,7 +84,7 @@ void add_problems(Json& responses) {
 /// What a part with a mesh may say of itself.
 Json part_types() {
   std::string list;
-  for (const Format format : {Format::Obj, Format::Draco}) list += std::string(media_type_of(format)) + ", ";
+  for (const FormatTraits& each : formats()) list.append(each.media_type).append(", ");
   return {{"contentType", list + std::string(kAnyBytesType)}};
 }
 
@@ -111,17 +117,19 @@ Json compare_form() {
 Json smooth_operation(const RequestLimits& limits) {
   Json success_headers = openapi_answer_headers();
   success_headers["Burnish-Report"] = openapi_reference("headers", "Burnish-Report");
+  Json content = openapi_mesh_content();
+  content[std::string(kAnyBytesType)] = file();
+  content[std::string(kJsonType)] = {{"schema", schema_reference("SmoothResponse")}};
   Json responses = {{"200",
                      {{"description",
                        "The smoothed mesh: same order, same attributes. With `Accept: application/json` a "
                        "SmoothResponse, the report inside instead of in a header."},
                       {"headers", std::move(success_headers)},
-                      {"content",
-                       {{media_type_of(Format::Obj), file()},
-                        {media_type_of(Format::Draco), file()},
-                        {kAnyBytesType, file()},
-                        {kJsonType, {{"schema", schema_reference("SmoothResponse")}}}}}}}};
+                      {"content", std::move(content)}}}};
   add_problems(responses);
+  Json body = openapi_mesh_content();
+  body[std::string(kAnyBytesType)] = file();
+  body["multipart/form-data"] = smooth_form();
   return {{"operationId", "smooth"},
           {"summary", "Smooth a mesh"},
           {"description",
@@ -131,13 +139,7 @@ Json smooth_operation(const RequestLimits& limits) {
                " vertices and " + std::to_string(limits.mesh.max_triangles) +
                " triangles. The body may come with `Content-Encoding: gzip`."},
           {"parameters", smooth_parameters(limits)},
-          {"requestBody",
-           {{"required", true},
-            {"content",
-             {{media_type_of(Format::Obj), file()},
-              {media_type_of(Format::Draco), file()},
-              {kAnyBytesType, file()},
-              {"multipart/form-data", smooth_form()}}}}},
+          {"requestBody", {{"required", true}, {"content", std::move(body)}}},
           {"responses", std::move(responses)}};
 }
 

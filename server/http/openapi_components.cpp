@@ -128,6 +128,13 @@ Json openapi_reference(const std::string& kind, const std::string& name) {
 
 Json openapi_content(std::string_view type, Json schema) { return {{type, {{"schema", std::move(schema)}}}}; }
 
+Json openapi_mesh_content() {
+  Json content = Json::object();
+  for (const FormatTraits& each : formats())
+    content[std::string(each.media_type)] = {{"schema", Json::object()}};
+  return content;
+}
+
 Json query_parameter(const std::string& name, Json schema, const std::string& text) {
   return {{"name", name}, {"in", "query"}, {"description", text}, {"schema", std::move(schema)}};
 }

@@ -17,6 +17,9 @@ nlohmann::ordered_json openapi_reference(const std::string& kind, const std::str
 /// One media type with its schema.
 nlohmann::ordered_json openapi_content(std::string_view type, nlohmann::ordered_json schema);
 
+/// A mesh file in any of the formats.
+nlohmann::ordered_json openapi_mesh_content();
+
 nlohmann::ordered_json query_parameter(const std::string& name, nlohmann::ordered_json schema,
                                        const std::string& text);
 

@@ -121,8 +121,7 @@ const Operation& operation_of(Endpoint endpoint, const std::string& verb) {
 Json content(const Operation& operation) {
   if (operation.schema) return openapi_content(operation.type, schema_reference(operation.schema));
   if (std::string_view(operation.type) == kAnyBytesType) {
-    const Json bytes = {{"schema", Json::object()}};
-    return {{media_type_of(Format::Obj), bytes}, {media_type_of(Format::Draco), bytes}};
+    return openapi_mesh_content();
   }
   return openapi_content(operation.type, {{"type", "string"}});
 }

@@ -31,8 +31,8 @@ std::string to_smooth_response_json(const SmoothResult& result) {
 
 Result<std::string_view> choose_smooth_answer(std::string_view accept, std::optional<Format> format) {
   std::vector<std::string_view> offers;
-  for (const Format each : {Format::Obj, Format::Draco}) {
-    if (each == format.value_or(each)) offers.push_back(media_type_of(each));
+  for (const FormatTraits& each : formats()) {
+    if (each.format == format.value_or(each.format)) offers.push_back(each.media_type);
   }
   offers.insert(offers.end(), {kJsonType, kAnyBytesType});
   if (const auto best = best_offer(accept, offers)) return *best;

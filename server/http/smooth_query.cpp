@@ -35,8 +35,9 @@ Result<std::uint32_t> whole_number(const std::string& name, const std::string& t
 }
 
 Result<> set_output(v1::SmoothOptions& options, const std::string& name, const std::string& text) {
-  if (text != "obj" && text != "drc") return bad_value(name, text, "obj or drc");
-  options.mutable_output()->set_format(text == "obj" ? v1::MESH_FORMAT_OBJ : v1::MESH_FORMAT_DRACO);
+  const auto format = format_named(text);
+  if (!format) return bad_value(name, text, list_of_format_names());
+  options.mutable_output()->set_format(to_proto(*format));
   return {};
 }
 

@@ -38,10 +38,10 @@ Result<Timeout> parse_timeout(const Query& query);
 /// That there is nothing but timeout_ms. Errors: `cause`, whose sentence ends in `why`.
 Result<> check_only_timeout(const Query& query, Cause cause, const std::string& why);
 
-/// method, output=obj|drc, draco_method=sequential|edgebreaker, the Draco numbers, pinned_vertices=0,1,2,
-/// pinned_group=NAME, pinned_attribute=NAME; every other name but timeout_ms is a parameter of the method.
-/// Errors: UnknownMethod, UnknownOption, BadOption (a name given twice, a bad value), each naming the
-/// parameter.
+/// method, output=obj|drc|ply|stl|off|glb, draco_method=sequential|edgebreaker, the Draco numbers,
+/// pinned_vertices=0,1,2, pinned_group=NAME, pinned_attribute=NAME; every other name but timeout_ms is a
+/// parameter of the method. Errors: UnknownMethod, UnknownOption, BadOption (a name given twice, a bad
+/// value), each naming the parameter.
 Result<v1::SmoothOptions> parse_query_options(const Query& query);
 
 }  // namespace burnish

@@ -139,12 +139,27 @@ Result<> set_parameter_from_text(v1::SmoothOptions& options, std::string_view na
 }
 
 v1::MeshFormat to_proto(Format format) {
-  return format == Format::Obj ? v1::MESH_FORMAT_OBJ : v1::MESH_FORMAT_DRACO;
+  switch (format) {
+    case Format::Obj:
+      return v1::MESH_FORMAT_OBJ;
+    case Format::Draco:
+      return v1::MESH_FORMAT_DRACO;
+    case Format::Ply:
+      return v1::MESH_FORMAT_PLY;
+    case Format::Stl:
+      return v1::MESH_FORMAT_STL;
+    case Format::Off:
+      return v1::MESH_FORMAT_OFF;
+    case Format::Glb:
+      return v1::MESH_FORMAT_GLB;
+  }
+  return v1::MESH_FORMAT_UNSPECIFIED;
 }
 
 std::optional<Format> from_proto(v1::MeshFormat format) {
-  if (format == v1::MESH_FORMAT_OBJ) return Format::Obj;
-  if (format == v1::MESH_FORMAT_DRACO) return Format::Draco;
+  for (const FormatTraits& each : formats()) {
+    if (to_proto(each.format) == format) return each.format;
+  }
   return std::nullopt;
 }
 

@@ -86,7 +86,8 @@ TEST(Gateway, TellsTheFormatByContentTypeOrContent) {
   for (const Row& row :
        {Row{"model/obj", 200}, Row{"Model/OBJ; charset=utf-8", 200}, Row{"application/octet-stream", 200},
         Row{"text/plain", 200}, Row{"application/x-www-form-urlencoded", 200}, Row{"model/vnd.draco", 422},
-        Row{"application/json", 415}, Row{"model/stl", 415}, Row{"multipart/form-data; boundary=x", 400}}) {
+        Row{"application/json", 415}, Row{"model/stl", 422}, Row{"application/ply", 422},
+        Row{"model/3mf", 415}, Row{"multipart/form-data; boundary=x", 400}}) {
     HttpRequest request = smooth_request(small_mesh());
     request.headers["content-type"] = row.type;
     EXPECT_EQ(house.handle(request).status, row.status) << row.type;

@@ -1,0 +1,90 @@
+#include "core/io/format.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/io/codec.h"
+#include "tests/support/shapes.h"
+
+namespace burnish::testing {
+namespace {
+
+std::string binary_stl(std::string header, std::uint32_t facets, std::size_t more = 0) {
+  header.resize(80, ' ');
+  for (int shift = 0; shift < 32; shift += 8) header += static_cast<char>(facets >> shift);
+  return header + std::string(50 * std::size_t{facets} + more, '\0');
+}
+
+TEST(Format, IsToldByContent) {
+  struct Row {
+    std::string bytes;
+    std::optional<Format> format;
+  };
+  const Row rows[] = {
+      {"v 0 0 0\n", Format::Obj},
+      {"", Format::Obj},
+      {"# OFF\nv 0 0 0\n", Format::Obj},
+      {"DRACO\2\2", Format::Draco},
+      {"DRACO", Format::Draco},
+      {"ply\nformat ascii 1.0\n", Format::Ply},
+      {"ply\r\nformat ascii 1.0\r\n", Format::Ply},
+      {"ply", Format::Ply},
+      {"plywood 1\nv 0 0 0\n", Format::Obj},
+      {"glTF\2\0\0\0", Format::Glb},
+      {"solid cube\n facet normal 0 0 1\n", Format::Stl},
+      {"\n  SOLID\n  FACET NORMAL 0 0 1\n", Format::Stl},
+      {"solid", Format::Stl},
+      {"solid cube\nendsolid cube\n", Format::Stl},
+      {"solid cube\nv 0 0 0\n", Format::Obj},
+      {"solidify 1\nv 0 0 0\n", Format::Obj},
+      {"OFF\n3 1 0\n", Format::Off},
+      {"# a comment\n\n  COFF # more\n3 1 0\n", Format::Off},
+      {"OFF#\n", Format::Off},
+      {"STCN4nOFF\n", Format::Off},
+      {std::string("OFF BINARY\n\0\0\0\3", 15), Format::Off},
+      {"OFFSET 1\nv 0 0 0\n", Format::Obj},
+      {std::string("\0\1\2\3", 4), std::nullopt},
+      {std::string("v 0 0 0\0", 8), std::nullopt},
+  };
+  for (const Row& row : rows) EXPECT_EQ(detect_format(row.bytes), row.format) << row.bytes;
+}
+
+TEST(Format, OfABinaryStlIsToldByItsSizeWhateverItsHeaderSays) {
+  for (const char* header :
+       {"", "solid cube", "solid", "DRACO by hand", "glTF export", "OFF", "v 0 0 0\n# ", "plywood"}) {
+    for (const std::uint32_t facets : {0U, 1U, 12U}) {
+      EXPECT_EQ(detect_format(binary_stl(header, facets)), Format::Stl) << header << ' ' << facets;
+    }
+    EXPECT_EQ(detect_format(binary_stl(header, 3, 2)), Format::Stl) << header << ", with two bytes behind";
+  }
+  EXPECT_EQ(detect_format(binary_stl("by a scanner", 3, 50)), std::nullopt);
+  EXPECT_EQ(detect_format(binary_stl("by a scanner", 3).substr(0, 200)), std::nullopt);
+  EXPECT_EQ(detect_format(binary_stl("solid, but cut off", 3).substr(0, 200)), Format::Stl);
+}
+
+TEST(Format, OfAnyTextObjIsObj) {
+  const std::string text = to_obj(sphere(2));
+  for (std::size_t size = 0; size < text.size(); ++size)
+    ASSERT_EQ(detect_format(text.substr(0, size)), Format::Obj);
+}
+
+TEST(Format, HasNamesAndMediaTypesOfItsOwn) {
+  std::set<std::string_view> seen;
+  for (const FormatTraits& each : formats()) {
+    EXPECT_EQ(format_named(each.name), each.format);
+    EXPECT_EQ(format_of_media_type(each.media_type), each.format);
+    EXPECT_EQ(&traits_of(each.format), &each);
+    EXPECT_TRUE(seen.insert(each.name).second && seen.insert(each.media_type).second) << each.name;
+    for (const std::string_view other : each.other_media_types) {
+      EXPECT_EQ(format_of_media_type(other), each.format);
+      EXPECT_TRUE(seen.insert(other).second) << other;
+    }
+  }
+  EXPECT_EQ(format_named("OBJ"), std::nullopt);
+  EXPECT_EQ(format_of_media_type("text/plain"), std::nullopt);
+  EXPECT_EQ(list_of_format_names(), "obj, drc, ply, stl, off or glb");
+}
+
+}  // namespace
+}  // namespace burnish::testing
