@@ -33,3 +33,11 @@ if(HTTPLIB_VERSION VERSION_LESS 0.41)
   message(FATAL_ERROR "cpp-httplib ${HTTPLIB_VERSION} in ${HTTPLIB_INCLUDE_DIR} is too old: Burnish needs 0.41 or newer. "
                       "Run scripts/setup, which installs it.")
 endif()
+
+# Pictures: only the command line draws them.
+if(BURNISH_RENDER)
+  find_package(PNG REQUIRED)
+  find_package(Freetype REQUIRED)
+  find_package(embree 3 REQUIRED NO_MODULE)
+  find_file(BURNISH_FONT OpenSans-Regular.ttf PATHS /usr/share/fonts/truetype/open-sans REQUIRED)
+endif()

@@ -18,6 +18,7 @@ FORBIDDEN = {
     "server/sandbox": r"(client|server/(grpc|http|jobs|observe|security)|grpc|grpcpp|httplib)",
     "server/grpc": r"(client|server/http|httplib)",
     "server/http": r"(client|server/grpc|grpc|grpcpp)",
+    "client/render": r"(server|client/(?!render)|burnish/v1|grpc|grpcpp|google|nlohmann|CLI)",
     "client/*": r"(core|server|client/cli|httplib|draco)",
 }
 

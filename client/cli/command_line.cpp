@@ -41,6 +41,9 @@ int run_command_line(int argc, const char* const* argv, const Console& console) 
   add_compare_command(app, chosen);
   add_noise_command(app, chosen);
   add_sample_command(app, chosen);
+#ifdef BURNISH_RENDER
+  add_render_command(app, chosen);
+#endif
   add_methods_command(app, chosen);
   add_bench_command(app, chosen);
   try {

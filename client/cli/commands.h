@@ -18,5 +18,6 @@ void add_noise_command(CLI::App& app, Command& chosen);
 void add_sample_command(CLI::App& app, Command& chosen);
 void add_methods_command(CLI::App& app, Command& chosen);
 void add_bench_command(CLI::App& app, Command& chosen);
+void add_render_command(CLI::App& app, Command& chosen);
 
 }  // namespace burnish::cli

@@ -1,7 +1,7 @@
 // Where a command talks to its user.
 #pragma once
 
-#include <iosfwd>
+#include <iostream>
 #include <stop_token>
 
 namespace burnish::cli {
@@ -11,6 +11,7 @@ struct Console {
   std::ostream& err;             ///< errors, progress
   bool err_is_terminal = false;  ///< show progress
   std::stop_token stop = {};     ///< Ctrl-C
+  std::istream& in = std::cin;   ///< a mesh, where a file is named "-"
 };
 
 }  // namespace burnish::cli

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <istream>
+#include <ostream>
 #include <system_error>
 #include <utility>
 
@@ -138,6 +140,28 @@ Result<> write_file(const fs::path& path, std::string_view bytes) {
   Draft draft(target);
   if (!draft.ok() || !draft.publish(target, bytes)) return file_error("write", path, errno);
   return {};
+}
+
+Result<std::string> read_input(const std::string& name, const Console& console) {
+  if (name != "-") return read_file(name);
+  std::string bytes;
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  while (console.in) {
+    const std::size_t size = bytes.size();
+    bytes.resize(std::max(2 * size, kPiece));
+    console.in.read(bytes.data() + size, static_cast<std::streamsize>(bytes.size() - size));
+    bytes.resize(size + static_cast<std::size_t>(console.in.gcount()));
+  }
+  if (console.in.bad()) return Error{Cause::FileError, "cannot read standard input"};
+  return bytes;
+}
+
+Result<> check_output(const std::string& name) { return name == "-" ? Result<>() : check_writable(name); }
+
+Result<> write_output(const std::string& name, std::string_view bytes, const Console& console) {
+  if (name != "-") return write_file(name, bytes);
+  if (console.out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush()) return {};
+  return Error{Cause::FileError, "cannot write to standard output"};
 }
 
 }  // namespace burnish::cli

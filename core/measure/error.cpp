@@ -99,6 +99,39 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
   });
 }
 
+/// The reference as the measures need it.
+struct Other {
+  Other(const Surface& surface, const Surface& of, std::span<const Vec3f> at, bool corresponding,
+        const RunControl& run)
+      : reference(of),
+        positions(into_frame(surface.mesh.frame, of, at, run)),
+        partner(corresponding ? partners(surface, of) : std::vector<Index>()),
+        partners_at(partner.size()) {
+    for_each(partner.size(), run, [&](std::size_t v) { partners_at[v] = positions[partner[v]]; });
+  }
+
+  const Surface& reference;
+  std::vector<Vec3f> positions;  // in the frame of the result
+  std::vector<Index> partner;    // empty: nothing corresponds
+  std::vector<Vec3f> partners_at;
+};
+
+/// Of each vertex to the nearest point of the reference; 0 where there is no triangle to ask.
+Result<std::vector<double>> squared_distances(const Surface& surface, std::span<const Vec3f> positions,
+                                              const Other& other, const RunControl& run) {
+  std::vector<double> squared(positions.size(), 0);
+  const auto& triangles = other.reference.mesh.triangles;
+  if (surface.mesh.triangles.empty() || triangles.empty()) return squared;
+  auto nearest = NearestTriangle::build(other.positions, triangles, run);
+  if (!nearest) return nearest.error();
+  const bool measured = other.partner.empty()
+                            ? measure_distances(surface, positions, *nearest, run, squared)
+                            : measure_near_distances(surface, positions, *nearest, other.reference,
+                                                     other.partners_at, other.partner, run, squared);
+  if (!measured) return run.stop_error();
+  return squared;
+}
+
 /// The plain means.
 void summarise_distances(const Surface& surface, std::span<const double> squared, const RunControl& run,
                          ErrorMeasures& measures) {
@@ -159,30 +192,34 @@ Result<ErrorMeasures> measure_errors(const Surface& surface, std::span<const Vec
                                      const Surface& reference, std::span<const Vec3f> reference_positions,
                                      bool corresponding, const RunControl& run) {
   ErrorMeasures measures;
-  const auto local = into_frame(surface.mesh.frame, reference, reference_positions, run);
-  const auto partner = corresponding ? partners(surface, reference) : std::vector<Index>();
-  std::vector<Vec3f> others(partner.size());
-  for_each(partner.size(), run, [&](std::size_t v) { others[v] = local[partner[v]]; });
-  std::vector<double> squared(positions.size(), 0);
-  if (!surface.mesh.triangles.empty() && !reference.mesh.triangles.empty()) {
-    auto nearest = NearestTriangle::build(local, reference.mesh.triangles, run);
-    if (!nearest) return nearest.error();
-    const bool measured = corresponding ? measure_near_distances(surface, positions, *nearest, reference,
-                                                                 others, partner, run, squared)
-                                        : measure_distances(surface, positions, *nearest, run, squared);
-    if (!measured) return run.stop_error();
-    summarise_distances(surface, squared, run, measures);
-  }
-  summarise_triangles(surface, positions, squared, others, run, measures);
+  const Other other(surface, reference, reference_positions, corresponding, run);
+  const auto squared = squared_distances(surface, positions, other, run);
+  if (!squared) return squared.error();
+  summarise_distances(surface, *squared, run, measures);
+  summarise_triangles(surface, positions, *squared, other.partners_at, run, measures);
   if (run.stopped()) return run.stop_error();
   const double edge = reference.mean_edge * reference.mesh.frame.scale() / surface.mesh.frame.scale();
   measures.ev_over_edge = ratio(measures.ev, edge);
-  measures.ev_over_diagonal = ratio(measures.ev, diagonal(local));
+  measures.ev_over_diagonal = ratio(measures.ev, diagonal(other.positions));
   for (double* in_local_units :
        {&measures.ev, &measures.mean_distance, &measures.rms_distance, &measures.max_distance}) {
     *in_local_units *= surface.mesh.frame.scale();
   }
   return measures;
+}
+
+Result<std::vector<double>> vertex_distances(const Surface& surface, std::span<const Vec3f> positions,
+                                             const Surface& reference,
+                                             std::span<const Vec3f> reference_positions, bool corresponding,
+                                             const RunControl& run) {
+  const Other other(surface, reference, reference_positions, corresponding, run);
+  auto distances = squared_distances(surface, positions, other, run);
+  if (!distances) return distances;
+  const double scale = surface.mesh.frame.scale();
+  for_each(distances->size(), run,
+           [&](std::size_t v) { (*distances)[v] = std::sqrt((*distances)[v]) * scale; });
+  if (run.stopped()) return run.stop_error();
+  return distances;
 }
 
 }  // namespace burnish

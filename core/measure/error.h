@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/mesh/surface.h"
 
@@ -27,5 +28,12 @@ struct ErrorMeasures {
 Result<ErrorMeasures> measure_errors(const Surface& surface, std::span<const Vec3f> positions,
                                      const Surface& reference, std::span<const Vec3f> reference_positions,
                                      bool corresponding, const RunControl& run);
+
+/// Of each vertex of `surface` to the nearest point of the reference's triangles, in the unit of the file:
+/// what measure_errors() sums up. 0 for vertices in no triangle. Errors: those of measure_errors().
+Result<std::vector<double>> vertex_distances(const Surface& surface, std::span<const Vec3f> positions,
+                                             const Surface& reference,
+                                             std::span<const Vec3f> reference_positions, bool corresponding,
+                                             const RunControl& run);
 
 }  // namespace burnish

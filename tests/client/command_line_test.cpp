@@ -9,40 +9,14 @@
 #include <vector>
 
 #include "core/smooth/registry.h"
+#include "tests/client/cli_fixture.h"
 #include "tests/client/fake_server.h"
-#include "tests/client/temporary_folder.h"
 
 namespace burnish::cli {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-struct Outcome {
-  int code;
-  std::string out, err;
-};
-
-Outcome burnish(std::vector<std::string> arguments, std::stop_token stop = {}, bool terminal = false) {
-  std::vector<const char*> argv = {"burnish"};
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  std::ostringstream out, err;
-  const int code = run_command_line(static_cast<int>(argv.size()), argv.data(), {out, err, terminal, stop});
-  return {code, out.str(), err.str()};
-}
-
-nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text, nullptr, false); }
-
-/// A folder with a small noisy sample and its reference.
-class CommandLine : public ::testing::Test {
- protected:
-  CommandLine() {
-    EXPECT_EQ(burnish({"sample", noisy, "--resolution", "12"}).code, 0);
-    EXPECT_EQ(burnish({"sample", clean, "--resolution", "12", "--amplitude", "0"}).code, 0);
-  }
-  TemporaryFolder folder;
-  std::string noisy = folder / "noisy.obj", clean = folder / "clean.obj", smooth = folder / "smooth.obj";
-};
 
 TEST_F(CommandLine, SmoothsTheSampleTowardsItsReference) {
   const Outcome done =

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -26,6 +27,23 @@ ErrorMeasures measure(const Shape& result, const Shape& reference, bool correspo
       measure_errors(a, a.mesh.positions, b, b.mesh.positions, corresponding, {.threads = threads});
   EXPECT_TRUE(measures);
   return *measures;
+}
+
+TEST(VertexDistances, AreWhatTheErrorsSumUp) {
+  const Shape reference = testing::scaled(sphere(3), 40);
+  for (const bool corresponding : {true, false}) {
+    const Shape result = corresponding ? testing::with_noise(reference, 0.5) : testing::scaled(cube(9), 23);
+    const Surface a = surface_of(result), b = surface_of(reference);
+    const auto distances =
+        vertex_distances(a, a.mesh.positions, b, b.mesh.positions, corresponding, {.threads = 2});
+    ASSERT_TRUE(distances);
+    ASSERT_EQ(distances->size(), a.mesh.positions.size());
+    const ErrorMeasures measures = measure(result, reference, corresponding);
+    double sum = 0;
+    for (const double distance : *distances) sum += distance;
+    EXPECT_NEAR(sum / static_cast<double>(distances->size()), measures.mean_distance, 1e-9);
+    EXPECT_EQ(*std::max_element(distances->begin(), distances->end()), measures.max_distance);
+  }
 }
 
 TEST(SquaredDistance, FindsFacesEdgesAndCorners) {
