@@ -15,9 +15,9 @@
 namespace burnish {
 namespace {
 
+using adaptive_kernels::kTrianglesAtOnce;
 using adaptive_kernels::kVanishing;
 using adaptive_kernels::Row;
-using adaptive_kernels::Wings;
 
 /// The paper's choices run in the kernels, all others here, one triangle or vertex at a time.
 class Adaptive {
@@ -29,25 +29,32 @@ class Adaptive {
         params_(params),
         run_(run),
         order_(surface.topology, movable, ValenceOrder::With::NeighboursAndFaces, run),
-        planes_(surface.mesh.triangles.size()) {
+        faces_((surface.mesh.triangles.size() + kTrianglesAtOnce - 1) / kTrianglesAtOnce * kTrianglesAtOnce),
+        corners_(3 * faces_),
+        area_normals_(surface.topology.opposed_neighbours.empty() ? faces_ + 1 : turned(faces_)),
+        planes_(faces_) {
     const double scale = params.scale > 0 ? params.scale / surface.mesh.frame.scale() : surface.mean_edge;
     per_squared_scale_ = scale > 0 ? 1 / (scale * scale) : 0;
-    if (as_printed_) {
-      wings_.resize(planes_.size());
-      for_faces([&](std::size_t f) { wings_[f] = wings(f); });
-    }
+    if (as_printed_) across_.resize(corners_.size());
+    for_each(faces_, run_, [&](std::size_t f) { fill(f); });
+    area_normals_[faces_] = Row{};
     if (params.neighbourhood == AdaptiveParams::Neighbourhood::Vertices) around_.emplace(surface, run);
-    if (!as_printed_ || params.offsets == AdaptiveParams::Offsets::Area) area_normals_.resize(planes_.size());
   }
 
   bool prepare(std::span<const SimdVec3> from) {
-    if (!area_normals_.empty() &&
-        !for_faces([&](std::size_t f) { area_normals_[f] = area_normal(from, f); })) {
-      return false;
+    const bool measured = parallel_for(faces_, run_, [&](std::size_t begin, std::size_t end) {
+      kernels_.measure(corners_, from, begin, end, area_normals_, planes_);
+      if (area_normals_.size() == faces_ + 1) return;
+      for (std::size_t f = begin; f < end; ++f)
+        area_normals_[turned(f)] = area_normals_[f] * Row{-1, -1, -1, 1};
+    });
+    if (!measured) return false;
+    if (!as_printed_) {
+      return for_each(surface_.mesh.triangles.size(), run_,
+                      [&](std::size_t f) { planes_[f] = plane(from, f); });
     }
-    if (!as_printed_) return for_faces([&](std::size_t f) { planes_[f] = plane(from, f); });
-    return parallel_for(planes_.size(), run_, [&](std::size_t begin, std::size_t end) {
-      kernels_.expect(wings_, from, begin, end, planes_);
+    return parallel_for(faces_, run_, [&](std::size_t begin, std::size_t end) {
+      kernels_.expect(across_, area_normals_, begin, end, planes_);
     });
   }
 
@@ -68,31 +75,22 @@ class Adaptive {
   }
 
  private:
-  template <class Visit>
-  bool for_faces(Visit&& visit) {
-    return parallel_for(planes_.size(), run_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) visit(f);
-    });
-  }
+  /// Where the area normal of triangle f stands once more, turned round, for a neighbour that winds the other
+  /// way; after those of all triangles and a row of zeros, for sides without a neighbour.
+  std::size_t turned(std::size_t f) const { return faces_ + 1 + f; }
 
-  Wings wings(std::size_t f) const {
-    const Triangle& t = surface_.mesh.triangles[f];
-    Wings result{.corners = {2 * t[0], 2 * t[1], 2 * t[2]}, .far_corners = {2 * t[0], 2 * t[1], 2 * t[2]}};
+  /// Corners and neighbours of triangle f; of none beyond the last.
+  void fill(std::size_t f) {
+    const bool none = f >= surface_.mesh.triangles.size();
     for (std::size_t side = 0; side < 3; ++side) {
-      const Index neighbour = topology_.face_neighbours[f][side];
-      if (neighbour == kNone) continue;
-      const Triangle& n = surface_.mesh.triangles[neighbour];
-      const Index far_corner = n[0] ^ n[1] ^ n[2] ^ t[side] ^ t[(side + 1) % 3];  // what the two do not share
-      result.far_corners[side] = 2 * far_corner;
+      corners_[3 * f + side] = none ? 0 : doubled(surface_.mesh.triangles[f][side]);
+      if (!as_printed_) continue;
+      const Index neighbour = none ? kNone : topology_.face_neighbours[f][side];
+      const std::size_t row = neighbour == kNone           ? faces_
+                              : topology_.opposed(f, side) ? turned(neighbour)
+                                                           : neighbour;
+      across_[3 * f + side] = doubled(static_cast<Index>(row));
     }
-    return result;
-  }
-
-  /// Normal times twice the area, and twice the area.
-  Row area_normal(std::span<const SimdVec3> from, std::size_t f) const {
-    const Triangle& t = surface_.mesh.triangles[f];
-    const SimdVec3 normal = cross(from[t[1]] - from[t[0]], from[t[2]] - from[t[0]]);
-    return Row{normal.x(), normal.y(), normal.z(), length(normal)};
   }
 
   /// m(R), Eq. 1: sum of A(S) n(S) over sum of A(S); n(R) where the neighbours cancel out or there are none.
@@ -179,8 +177,10 @@ class Adaptive {
   const bool as_printed_ = params_.normals == AdaptiveParams::Normals::Raw &&
                            params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges;
   std::optional<FacesAround> around_;  ///< when Eq. 1 averages over them
-  Buffer<Wings> wings_;                ///< of every triangle, when Eq. 1 is as printed
-  Buffer<Row> area_normals_;           ///< of every triangle, when something else asks for them
+  const std::size_t faces_;            ///< triangles, up to a multiple of kTrianglesAtOnce
+  Buffer<std::uint32_t> corners_;      ///< three per triangle
+  Buffer<std::uint32_t> across_;       ///< area_normals_ of the neighbours, when Eq. 1 is as printed
+  Buffer<Row> area_normals_;
   Buffer<Row> planes_;
   double per_squared_scale_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -25,24 +26,26 @@ using F8 = Floats<8>;
 
 template <class F>
 inline constexpr std::size_t kLanesOf = sizeof(F) / sizeof(float);
+/// Of the same lanes, at any address of floats.
+template <class F>
+using Anywhere __attribute__((aligned(alignof(float)), may_alias)) = F;
 /// A vector holds so many rows.
 template <class F>
 inline constexpr std::size_t kRowsIn = kLanesOf<F> / 4;
 
+BURNISH_INLINE F4 lanes(const Row& row) { return row; }
+BURNISH_INLINE F4 lanes(const SimdVec3& row) { return row.lanes(); }
+
 BURNISH_INLINE void join(F4& to, const F4 (&rows)[1]) { to = rows[0]; }
 BURNISH_INLINE void join(F8& to, const F4 (&rows)[2]) {
-  to = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7);
-}
-BURNISH_INLINE void split(const F4& from, F4 (&rows)[1]) { rows[0] = from; }
-BURNISH_INLINE void split(const F8& from, F4 (&rows)[2]) {
-  rows[0] = __builtin_shufflevector(from, from, 0, 1, 2, 3);
-  rows[1] = __builtin_shufflevector(from, from, 4, 5, 6, 7);
+  const F8 low = __builtin_shufflevector(rows[0], rows[0], 0, 1, 2, 3, -1, -1, -1, -1);
+  const F8 high = __builtin_shufflevector(rows[1], rows[1], 0, 1, 2, 3, -1, -1, -1, -1);
+  to = __builtin_shufflevector(low, high, 0, 1, 2, 3, 8, 9, 10, 11);
 }
 template <class F>
-BURNISH_INLINE void repeat(F& to, const F4& row) {
-  F4 rows[kRowsIn<F>];
-  for (F4& each : rows) each = row;
-  join(to, rows);
+BURNISH_INLINE void split(const F& from, F4 (&rows)[kRowsIn<F>]) {
+  using Half __attribute__((may_alias)) = F4;
+  for (std::size_t r = 0; r < kRowsIn<F>; ++r) rows[r] = reinterpret_cast<const Half*>(&from)[r];
 }
 
 template <class F>
@@ -82,16 +85,6 @@ BURNISH_INLINE void transpose(F& a, F& b, F& c, F& d) {
   pick<2, 3, 6, 7>(ab_high, cd_high, d);
 }
 
-/// The sum of a row's lanes in each of its lanes: (x + z) + (y + w).
-template <class F>
-BURNISH_INLINE void add_across(F& a) {
-  F turned;
-  pick<2, 3, 0, 1>(a, a, turned);
-  a += turned;
-  pick<1, 0, 3, 2>(a, a, turned);
-  a += turned;
-}
-
 /// No lane of a comparison is false.
 template <class F, class Mask>
 BURNISH_INLINE bool all_of(const Mask& mask) {
@@ -118,141 +111,148 @@ struct Columns {
   F x, y, z, w;
 };
 
-/// The positions of one corner of each lane's triangle.
-template <class F>
-BURNISH_INLINE void load_corner(const Wings* wings, const SimdVec3* from,
-                                std::array<std::uint32_t, 3> Wings::*corners, std::size_t c, Columns<F>& to) {
+/// One row per lane, found by every `stride`-th index.
+template <class F, class Item>
+BURNISH_INLINE void gather(const Item* items, const std::uint32_t* indices, std::size_t stride,
+                           Columns<F>& to) {
   F* const columns[] = {&to.x, &to.y, &to.z, &to.w};
   for (std::size_t k = 0; k < 4; ++k) {
     F4 rows[kRowsIn<F>];
     for (std::size_t r = 0; r < kRowsIn<F>; ++r)
-      rows[r] = at_doubled(from, (wings[k + 4 * r].*corners)[c]).lanes();
+      rows[r] = lanes(at_doubled(items, indices[(k + 4 * r) * stride]));
     join(*columns[k], rows);
   }
   transpose(to.x, to.y, to.z, to.w);
 }
 
-/// Adds the area normal of the triangle across the side from `a` along `side` to `sum`, and its size to
-/// sum.w.
-template <class F>
-BURNISH_INLINE void add_across_side(const Columns<F>& a, const Columns<F>& side, const Columns<F>& far_corner,
-                                    Columns<F>& sum) {
-  const F x = far_corner.x - a.x, y = far_corner.y - a.y, z = far_corner.z - a.z;
-  const F nx = y * side.z - z * side.y, ny = z * side.x - x * side.z, nz = x * side.y - y * side.x;
-  F size = nx * nx + ny * ny + nz * nz;
-  take_root(size);
-  sum.x += nx, sum.y += ny, sum.z += nz, sum.w += size;
+/// The sum of `kCount` such rows per lane, found by as many indices in a row.
+template <class F, std::size_t kCount, class Item>
+BURNISH_INLINE void gather_sums(const Item* items, const std::uint32_t* indices, Columns<F>& to) {
+  F4 sums[kLanesOf<F>];
+  for (std::size_t k = 0; k < kLanesOf<F>; ++k) sums[k] = lanes(at_doubled(items, indices[k * kCount]));
+#pragma GCC unroll 1
+  for (std::size_t i = 1; i < kCount; ++i) {
+    for (std::size_t k = 0; k < kLanesOf<F>; ++k)
+      sums[k] += lanes(at_doubled(items, indices[k * kCount + i]));
+  }
+  F* const columns[] = {&to.x, &to.y, &to.z, &to.w};
+  for (std::size_t k = 0; k < 4; ++k) {
+    F4 rows[kRowsIn<F>];
+    for (std::size_t r = 0; r < kRowsIn<F>; ++r) rows[r] = sums[k + 4 * r];
+    join(*columns[k], rows);
+  }
+  transpose(to.x, to.y, to.z, to.w);
+}
+
+/// Calls put(lane, row) for each lane.
+template <class F, class Put>
+BURNISH_INLINE void scatter(Columns<F>& from, Put&& put) {
+  transpose(from.x, from.y, from.z, from.w);
+  const F* const columns[] = {&from.x, &from.y, &from.z, &from.w};
+  for (std::size_t k = 0; k < 4; ++k) {
+    F4 rows[kRowsIn<F>];
+    split(*columns[k], rows);
+    for (std::size_t r = 0; r < kRowsIn<F>; ++r) put(k + 4 * r, rows[r]);
+  }
 }
 
 template <class F>
-BURNISH_INLINE void subtract(const Columns<F>& a, const Columns<F>& b, Columns<F>& to) {
-  to.x = a.x - b.x, to.y = a.y - b.y, to.z = a.z - b.z;
+BURNISH_INLINE void measure(const std::uint32_t* corners, const SimdVec3* from, std::size_t begin,
+                            std::size_t end, Row* area_normals, Row* centroids) {
+  for (std::size_t f = begin; f < end; f += kLanesOf<F>) {
+    Columns<F> a, b, c, normal;
+    gather(from, corners + 3 * f, 3, a);
+    gather(from, corners + 3 * f + 1, 3, b);
+    gather(from, corners + 3 * f + 2, 3, c);
+    auto* const sums = reinterpret_cast<Anywhere<F>*>(centroids + f);
+    sums[0] = a.x + b.x + c.x, sums[1] = a.y + b.y + c.y, sums[2] = a.z + b.z + c.z;
+    b.x -= a.x, b.y -= a.y, b.z -= a.z, c.x -= a.x, c.y -= a.y, c.z -= a.z;
+    normal.x = b.y * c.z - b.z * c.y, normal.y = b.z * c.x - b.x * c.z, normal.z = b.x * c.y - b.y * c.x;
+    normal.w = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
+    take_root(normal.w);
+    scatter(normal, [&](std::size_t k, const F4& row) { area_normals[f + k] = row; });
+  }
 }
 
 /// The plane of a triangle whose neighbours cancel out, or that has none: through its own normal, if it has
 /// one.
-Row own_plane(const Wings& wings, const SimdVec3* from) {
-  const SimdVec3 a = from[wings.corners[0] / 2], b = from[wings.corners[1] / 2],
-                 c = from[wings.corners[2] / 2];
-  const SimdVec3 normal = cross(b - a, c - a);
-  const float size = length(normal);
-  if (!(size > 0)) return Row{};
-  const SimdVec3 m = normal * (1 / size);
-  return Row{m.x(), m.y(), m.z(), dot(m, (a + b + c) * (1.0F / 3.0F))};
-}
-
-/// Planes of as many triangles as there are lanes.
-template <class F>
-BURNISH_INLINE void expect_some(const Wings* wings, const SimdVec3* from, Row* planes) {
-  Columns<F> a, b, c, side, far_corner, m{};
-  load_corner(wings, from, &Wings::corners, 0, a);
-  load_corner(wings, from, &Wings::corners, 1, b);
-  load_corner(wings, from, &Wings::corners, 2, c);
-  subtract(b, a, side);
-  load_corner(wings, from, &Wings::far_corners, 0, far_corner);
-  add_across_side(a, side, far_corner, m);
-  subtract(c, b, side);
-  load_corner(wings, from, &Wings::far_corners, 1, far_corner);
-  add_across_side(b, side, far_corner, m);
-  subtract(a, c, side);
-  load_corner(wings, from, &Wings::far_corners, 2, far_corner);
-  add_across_side(c, side, far_corner, m);
-
-  const F size = m.x * m.x + m.y * m.y + m.z * m.z, least = m.w * kVanishing;
-  const auto sound = size > least * least;
-  const F by = 1.0F / m.w;
-  m.x *= by, m.y *= by, m.z *= by;
-  m.w = (m.x * (a.x + b.x + c.x) + m.y * (a.y + b.y + c.y) + m.z * (a.z + b.z + c.z)) * (1.0F / 3.0F);
-  transpose(m.x, m.y, m.z, m.w);
-  const F* const columns[] = {&m.x, &m.y, &m.z, &m.w};
-  for (std::size_t k = 0; k < 4; ++k) {
-    F4 rows[kRowsIn<F>];
-    split(*columns[k], rows);
-    for (std::size_t r = 0; r < kRowsIn<F>; ++r) planes[k + 4 * r] = rows[r];
-  }
-  if (all_of<F>(sound)) [[likely]]
-    return;
-  for (std::size_t k = 0; k < kLanesOf<F>; ++k) {
-    if (sound[k] == 0) planes[k] = own_plane(wings[k], from);
-  }
+Row own_plane(const Row& area_normal, float x, float y, float z) {
+  if (!(area_normal[3] > 0)) return Row{};
+  const Row m = area_normal * (1 / area_normal[3]);
+  return Row{m[0], m[1], m[2], (m[0] * x + m[1] * y + m[2] * z) * (1.0F / 3.0F)};
 }
 
 template <class F>
-BURNISH_INLINE void expect(const Wings* wings, const SimdVec3* from, std::size_t begin, std::size_t end,
-                           Row* planes) {
-  constexpr std::size_t kLanes = kLanesOf<F>;
-  for (; begin + kLanes <= end; begin += kLanes) expect_some<F>(wings + begin, from, planes + begin);
-  if (begin == end) return;
-  Wings last[kLanes];
-  Row results[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) last[k] = wings[std::min(begin + k, end - 1)];
-  expect_some<F>(last, from, results);
-  std::copy_n(results, end - begin, planes + begin);
+BURNISH_INLINE void expect(const std::uint32_t* across, const Row* area_normals, std::size_t begin,
+                           std::size_t end, Row* planes) {
+  for (std::size_t f = begin; f < end; f += kLanesOf<F>) {
+    Columns<F> m;
+    gather_sums<F, 3>(area_normals, across + 3 * f, m);
+    const auto* const sums = reinterpret_cast<const Anywhere<F>*>(planes + f);
+    const F x = sums[0], y = sums[1], z = sums[2];
+    const F size = m.x * m.x + m.y * m.y + m.z * m.z, least = m.w * kVanishing;
+    const auto sound = size > least * least;
+    const F by = 1.0F / m.w;
+    m.x *= by, m.y *= by, m.z *= by;
+    m.w = (m.x * x + m.y * y + m.z * z) * (1.0F / 3.0F);
+    scatter(m, [&](std::size_t k, const F4& row) { planes[f + k] = row; });
+    if (all_of<F>(sound)) [[likely]]
+      continue;
+    for (std::size_t k = 0; k < kLanesOf<F>; ++k) {
+      if (sound[k] == 0) planes[f + k] = own_plane(area_normals[f + k], x[k], y[k], z[k]);
+    }
+  }
+}
+
+/// As many vertices as there are lanes; their neighbours and faces one vertex after the other.
+template <class F, std::size_t kValence>
+BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* neighbours,
+                              const std::uint32_t* faces, const Row* planes, float per_squared_scale,
+                              const SimdVec3* from, SimdVec3* to) {
+  constexpr float kShare = 1.0F / kValence;
+  std::uint32_t places[kLanesOf<F>];
+  for (std::size_t k = 0; k < kLanesOf<F>; ++k) places[k] = doubled(vertices[k]);
+  Columns<F> p, u, m;
+  gather(from, places, 1, p);
+  F x{}, y{}, z{};
+#pragma GCC unroll 1
+  for (std::size_t i = 0; i < kValence; ++i) {
+    gather(planes, faces + i, kValence, m);
+    const F height = m.w - (m.x * p.x + m.y * p.y + m.z * p.z);
+    x += m.x * height, y += m.y * height, z += m.z * height;
+  }
+  gather_sums<F, kValence>(from, neighbours, u);
+  u.x = u.x * kShare - p.x, u.y = u.y * kShare - p.y, u.z = u.z * kShare - p.z;
+  F d = (u.x * u.x + u.y * u.y + u.z * u.z) * per_squared_scale;
+  d = d < kLogOfMost ? d : F{} + kLogOfMost;
+  exponential(d);
+  d *= kShare;
+  p.x += x * d, p.y += y * d, p.z += z * d;
+  scatter(p, [&](std::size_t k, const F4& row) { to[vertices[k]] = SimdVec3(row); });
 }
 
 template <class F, std::size_t kValence>
 BURNISH_INLINE void move_group(const ValenceOrder::Group& group, const Row* planes, float per_squared_scale,
                                const SimdVec3* from, SimdVec3* to) {
-  constexpr std::size_t kAtOnce = kRowsIn<F>;
-  constexpr float kShare = 1.0F / kValence;
-  F minus_one, keep;
-  repeat(minus_one, F4{0, 0, 0, -1});
-  repeat(keep, F4{kShare, kShare, kShare, 0});
+  constexpr std::size_t kLanes = kLanesOf<F>;
   const std::size_t count = group.vertices.size();
-  for (std::size_t i = 0; i < count; i += kAtOnce) {
-    Index v[kAtOnce];
-    const std::uint32_t *faces[kAtOnce], *neighbours[kAtOnce];
-    F4 rows[kAtOnce];
-    for (std::size_t r = 0; r < kAtOnce; ++r) {
-      const std::size_t at = std::min(i + r, count - 1);  // the last one may come twice
-      v[r] = group.vertices[at];
-      faces[r] = group.faces.data() + at * kValence;
-      neighbours[r] = group.neighbours.data() + at * kValence;
-      rows[r] = from[v[r]].lanes();
-    }
-    F p, offset{}, u{}, gathered;
-    join(p, rows);
-    const F point = p + minus_one;  // times a plane (m, m . C) it gives m . P - m . C
-    for (std::size_t k = 0; k < kValence; ++k) {
-      for (std::size_t r = 0; r < kAtOnce; ++r) rows[r] = at_doubled(planes, faces[r][k]);
-      join(gathered, rows);
-      F height = gathered * point;
-      add_across(height);
-      offset -= gathered * height;
-      for (std::size_t r = 0; r < kAtOnce; ++r) rows[r] = at_doubled(from, neighbours[r][k]).lanes();
-      join(gathered, rows);
-      u += gathered;
-    }
-    u = u * kShare - p;
-    F d = u * u;
-    add_across(d);
-    d *= per_squared_scale;
-    d = d < kLogOfMost ? d : F{} + kLogOfMost;
-    exponential(d);
-    p += offset * (d * keep);
-    split(p, rows);
-    for (std::size_t r = 0; r < kAtOnce; ++r) to[v[r]] = SimdVec3(rows[r]);
+  const Index* vertices = group.vertices.data();
+  const std::uint32_t *neighbours = group.neighbours.data(), *faces = group.faces.data();
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    move_some<F, kValence>(vertices + i, neighbours + i * kValence, faces + i * kValence, planes,
+                           per_squared_scale, from, to);
   }
+  if (i == count) return;
+  Index last[kLanes];
+  std::uint32_t last_neighbours[kLanes * kValence], last_faces[kLanes * kValence];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const std::size_t at = std::min(i + k, count - 1);  // the last one comes several times
+    last[k] = vertices[at];
+    std::copy_n(neighbours + at * kValence, kValence, last_neighbours + k * kValence);
+    std::copy_n(faces + at * kValence, kValence, last_faces + k * kValence);
+  }
+  move_some<F, kValence>(last, last_neighbours, last_faces, planes, per_squared_scale, from, to);
 }
 
 template <class F>
@@ -276,18 +276,28 @@ BURNISH_INLINE void move(const ValenceOrder::Group& group, const Row* planes, fl
 #undef BURNISH_VALENCE
 }
 
-void expect_128(std::span<const Wings> wings, std::span<const SimdVec3> from, std::size_t begin,
+void measure_128(std::span<const std::uint32_t> corners, std::span<const SimdVec3> from, std::size_t begin,
+                 std::size_t end, std::span<Row> area_normals, std::span<Row> planes) {
+  measure<F4>(corners.data(), from.data(), begin, end, area_normals.data(), planes.data());
+}
+void expect_128(std::span<const std::uint32_t> across, std::span<const Row> area_normals, std::size_t begin,
                 std::size_t end, std::span<Row> planes) {
-  expect<F4>(wings.data(), from.data(), begin, end, planes.data());
+  expect<F4>(across.data(), area_normals.data(), begin, end, planes.data());
 }
 void move_128(const ValenceOrder::Group& group, std::span<const Row> planes, float per_squared_scale,
               std::span<const SimdVec3> from, std::span<SimdVec3> to) {
   move<F4>(group, planes.data(), per_squared_scale, from.data(), to.data());
 }
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void expect_256(std::span<const Wings> wings, std::span<const SimdVec3> from,
-                                        std::size_t begin, std::size_t end, std::span<Row> planes) {
-  expect<F8>(wings.data(), from.data(), begin, end, planes.data());
+[[gnu::target("avx2")]] void measure_256(std::span<const std::uint32_t> corners,
+                                         std::span<const SimdVec3> from, std::size_t begin, std::size_t end,
+                                         std::span<Row> area_normals, std::span<Row> planes) {
+  measure<F8>(corners.data(), from.data(), begin, end, area_normals.data(), planes.data());
+}
+[[gnu::target("avx2")]] void expect_256(std::span<const std::uint32_t> across,
+                                        std::span<const Row> area_normals, std::size_t begin, std::size_t end,
+                                        std::span<Row> planes) {
+  expect<F8>(across.data(), area_normals.data(), begin, end, planes.data());
 }
 [[gnu::target("avx2")]] void move_256(const ValenceOrder::Group& group, std::span<const Row> planes,
                                       float per_squared_scale, std::span<const SimdVec3> from,
@@ -305,9 +315,9 @@ float exponential_coefficient(float x) {
 }
 
 std::vector<Kernels> kernels_here() {
-  std::vector<Kernels> here{{128, expect_128, move_128}};
+  std::vector<Kernels> here{{128, measure_128, expect_128, move_128}};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) here.push_back({256, expect_256, move_256});
+  if (__builtin_cpu_supports("avx2")) here.push_back({256, measure_256, expect_256, move_256});
 #endif
   return here;
 }

@@ -3,7 +3,7 @@
 // same bits.
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,20 +14,23 @@ namespace burnish::adaptive_kernels {
 
 using Row = SimdVec3::Lanes;  ///< four floats
 
-/// A triangle's corners and, for each side, the far corner of the triangle across it, or an end of that side
-/// when there is none: that triangle then has no area. All as doubled().
-struct Wings {
-  std::array<std::uint32_t, 3> corners, far_corners;
-};
+/// Passes over triangles go by so many: their arrays are filled up to a multiple of it.
+inline constexpr std::size_t kTrianglesAtOnce = 8;
 
 /// Below this share of the summed areas the weighted normals cancel out, and their sum is only rounding.
 inline constexpr float kVanishing = 1e-6F;
 
 struct Kernels {
   int bits;  ///< of its vectors
-  /// Fills planes[f] = (m, m . C), m the expected normal of Eq. 1 over the sides, as printed, and C the
-  /// centroid, for the triangles in [begin, end).
-  void (*expect)(std::span<const Wings> wings, std::span<const SimdVec3> from, std::size_t begin,
+  /// Fills area_normals[f] = (n, |n|), n the normal times twice the area, for the triangles in [begin, end),
+  /// multiples of kTrianglesAtOnce, and leaves in `planes` what expect() asks there. Three corners per
+  /// triangle, as doubled().
+  void (*measure)(std::span<const std::uint32_t> corners, std::span<const SimdVec3> from, std::size_t begin,
+                  std::size_t end, std::span<Row> area_normals, std::span<Row> planes);
+  /// After measure() of all triangles: makes planes[f] = (m, m . C), m the expected normal of Eq. 1 over the
+  /// sides, as printed, and C the centroid. Three rows of area_normals per triangle, as doubled(), of the
+  /// triangles across its sides.
+  void (*expect)(std::span<const std::uint32_t> across, std::span<const Row> area_normals, std::size_t begin,
                  std::size_t end, std::span<Row> planes);
   /// v' = v + d V, Eq. 2, 3, 4, 6 and 8 with equal weights, for a group of one valence, with faces.
   void (*move)(const ValenceOrder::Group& group, std::span<const Row> planes, float per_squared_scale,

@@ -139,8 +139,8 @@ TEST(ValenceOrder, VisitsEveryMovableVertexOnceUnderItsValence) {
   for (std::size_t v = 0; v < movable.size(); ++v) EXPECT_EQ(visits[v], movable[v]);
 }
 
+using adaptive_kernels::kTrianglesAtOnce;
 using adaptive_kernels::Row;
-using adaptive_kernels::Wings;
 
 bool same_bits(const Row& a, const Row& b) {
   for (int k = 0; k < 4; ++k) {
@@ -155,25 +155,30 @@ TEST(AdaptiveKernels, GiveTheSameBitsWhateverTheWidthOfVectors) {
   const Surface surface = surface_of(with_noise(sphere(3), 0.03));
   const std::vector<SimdVec3> from(surface.mesh.positions.begin(), surface.mesh.positions.end());
   const std::size_t faces = surface.mesh.triangles.size();
+  ASSERT_EQ(faces % kTrianglesAtOnce, 0);
   std::mt19937 random(5);
-  std::vector<Wings> wings(faces);
-  const auto any = [&] { return 2 * static_cast<std::uint32_t>(random() % from.size()); };
+  std::vector<std::uint32_t> corners, across;
   for (std::size_t f = 0; f < faces; ++f) {
-    const auto [a, b, c] = surface.mesh.triangles[f];
-    wings[f] = {{2 * a, 2 * b, 2 * c}, {any(), any(), any()}};
-    if (f % 5 == 0) wings[f].far_corners = wings[f].corners;  // no neighbour at all
+    for (const Index corner : surface.mesh.triangles[f]) {
+      corners.push_back(doubled(f % 7 == 0 ? surface.mesh.triangles[f][0] : corner));  // some have no area
+      across.push_back(
+          doubled(static_cast<Index>(f % 5 == 0 ? faces : random() % faces)));  // or no neighbour
+    }
   }
   for (const std::size_t count : {std::size_t{1}, std::size_t{3}, std::size_t{4}, std::size_t{7}, faces}) {
-    std::vector<Row> expected(faces);
-    narrow.expect(wings, from, 0, count, expected);
+    const std::size_t end = (count + kTrianglesAtOnce - 1) / kTrianglesAtOnce * kTrianglesAtOnce;
+    std::vector<Row> expected(faces), normals(faces + 1);
+    narrow.measure(corners, from, 0, faces, normals, expected);
+    narrow.expect(across, normals, 0, end, expected);
     const std::vector<std::uint8_t> movable(from.size(), 1);
     const ValenceOrder order(surface.topology, movable, ValenceOrder::With::NeighboursAndFaces, {});
     for (const auto& wide : all) {
-      std::vector<Row> planes(faces);
-      wide.expect(wings, from, 0, count, planes);
-      for (std::size_t f = 0; f < faces; ++f) {
-        ASSERT_TRUE(same_bits(planes[f], expected[f]))
-            << f << " of " << count << ", " << wide.bits << " bits";
+      std::vector<Row> planes(faces), wide_normals(faces + 1);
+      wide.measure(corners, from, 0, faces, wide_normals, planes);
+      wide.expect(across, wide_normals, 0, end, planes);
+      for (std::size_t f = 0; f < end; ++f) {
+        ASSERT_TRUE(same_bits(wide_normals[f], normals[f])) << f << ", " << wide.bits << " bits";
+        ASSERT_TRUE(same_bits(planes[f], expected[f])) << f << " of " << end << ", " << wide.bits << " bits";
       }
       order.for_each_group(0, [&](const ValenceOrder::Group& group) {
         ValenceOrder::Group part = group;
