@@ -4,6 +4,7 @@
 
 #include "core/io/draco.h"
 #include "core/io/obj.h"
+#include "core/io/ply.h"
 
 namespace burnish {
 namespace {
@@ -30,6 +31,11 @@ const Codec& codec_of(Format format) {
                const SharedAttributes& attributes, const OutputOptions& options, const RunControl& run) {
               return encode_as_draco(moved, triangles, attributes, options.draco, run);
             }}},
+      {Format::Ply,
+       {.decode = decode_ply,
+        .encode_as = [](const MovedPositions& moved, std::span<const Triangle> triangles,
+                        const SharedAttributes& attributes, const OutputOptions&,
+                        const RunControl& run) { return encode_as_ply(moved, triangles, attributes, run); }}},
   };
   static const Codec kNothing;
   const auto found = kCodecs.find(format);

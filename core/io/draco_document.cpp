@@ -1,6 +1,5 @@
 #include "core/io/draco_document.h"
 
-#include <bit>
 #include <string>
 
 namespace burnish {
@@ -15,49 +14,6 @@ Vec3f normal_at(const draco::PointAttribute& attribute, Index point) {
     normal = {value[0], value[1], value[2]};
   }
   return normal;
-}
-
-std::array<std::uint32_t, 3> bits_of(const Vec3f& v) {
-  return std::bit_cast<std::array<std::uint32_t, 3>>(v);
-}
-
-/// Points in the order of their welded vertex; offsets has one entry more than there are welded vertices.
-Result<IndexRows> points_by_vertex(const MovedPositions& moved, const RunControl& run) {
-  IndexRows rows;
-  rows.offsets.assign(moved.before.size() + 1, 0);
-  rows.items.resize(moved.weld.size());
-  if (!for_each_index(moved.weld.size(), run, [&](Index p) { ++rows.offsets[moved.weld[p] + 1]; })) {
-    return run.stop_error();
-  }
-  for (std::size_t v = 0; v < moved.before.size(); ++v) rows.offsets[v + 1] += rows.offsets[v];
-  std::vector<Index> next(rows.offsets.begin(), rows.offsets.end() - 1);
-  if (!for_each_index(moved.weld.size(), run, [&](Index p) { rows.items[next[moved.weld[p]]++] = p; })) {
-    return run.stop_error();
-  }
-  return rows;
-}
-
-/// Fills row_of_point and rows with the normals of the file.
-Result<RecomputedNormals> group_normals(const draco::PointAttribute& attribute, const MovedPositions& moved,
-                                        const RunControl& run) {
-  auto by_vertex = points_by_vertex(moved, run);
-  if (!by_vertex) return by_vertex.error();
-  RecomputedNormals normals;
-  normals.row_of_point.resize(moved.weld.size());
-  std::vector<std::pair<std::array<std::uint32_t, 3>, Index>> here;
-  const bool done = for_each_index(by_vertex->rows(), run, [&](Index v) {
-    here.clear();
-    for (const Index p : (*by_vertex)[v]) here.emplace_back(bits_of(normal_at(attribute, p)), p);
-    std::sort(here.begin(), here.end());
-    for (std::size_t i = 0; i < here.size(); ++i) {
-      if (i == 0 || here[i].first != here[i - 1].first) {
-        normals.rows.push_back(std::bit_cast<Vec3f>(here[i].first));
-      }
-      normals.row_of_point[here[i].second] = static_cast<Index>(normals.rows.size() - 1);
-    }
-  });
-  if (!done) return run.stop_error();
-  return normals;
 }
 
 /// The value that stands for 1 in a colour of this type.
@@ -126,7 +82,7 @@ Result<MeshAttribute> read_normals(const draco::PointAttribute& attribute, const
   result.corners.reserve(triangles.size());
   for (const Triangle& t : triangles) {
     result.corners.push_back(
-        {normals->row_of_point[t[0]], normals->row_of_point[t[1]], normals->row_of_point[t[2]]});
+        {normals->row_of_element[t[0]], normals->row_of_element[t[1]], normals->row_of_element[t[2]]});
   }
   return result;
 }
@@ -135,8 +91,8 @@ Result<> write_normals(draco::PointAttribute& attribute, const MovedPositions& m
                        std::span<const Triangle> triangles, const RunControl& run) {
   const auto normals = recompute_normals(attribute, moved, triangles, run);
   if (!normals) return normals.error();
-  const bool done = for_each_index(normals->row_of_point.size(), run, [&](Index p) {
-    const Index row = normals->row_of_point[p];
+  const bool done = for_each_index(normals->row_of_element.size(), run, [&](Index p) {
+    const Index row = normals->row_of_element[p];
     if (normals->changed[row] != 0) attribute.SetAttributeValue(value_of(attribute, p), &normals->rows[row]);
   });
   return done ? Result<>{} : run.stop_error();
@@ -172,23 +128,13 @@ DracoDocument::DracoDocument(std::unique_ptr<const draco::Mesh> mesh, DracoMetho
   triangles_ = std::move(triangles);
 }
 
-Result<RecomputedNormals> recompute_normals(const draco::PointAttribute& attribute,
-                                            const MovedPositions& moved, std::span<const Triangle> triangles,
-                                            const RunControl& run) {
-  auto normals = group_normals(attribute, moved, run);
+Result<NormalRows> recompute_normals(const draco::PointAttribute& attribute, const MovedPositions& moved,
+                                     std::span<const Triangle> triangles, const RunControl& run) {
+  auto normals = group_normals(
+      moved.weld.size(), moved, run, [](std::size_t point) { return static_cast<Index>(point); },
+      [&](std::size_t point) { return normal_at(attribute, static_cast<Index>(point)); });
   if (!normals) return normals.error();
-  std::vector<Triangle> corner_rows(triangles.size());
-  const bool done = for_each_index(triangles.size(), run, [&](Index t) {
-    for (std::size_t c = 0; c < 3; ++c) corner_rows[t][c] = normals->row_of_point[triangles[t][c]];
-  });
-  if (!done) return run.stop_error();
-  auto fresh = corner_normals(moved, triangles, corner_rows, normals->rows.size(), run);
-  if (!fresh) return fresh.error();
-  normals->changed = std::move(fresh->touched);
-  for (std::size_t row = 0; row < normals->rows.size(); ++row) {
-    if (fresh->normals[row] == Vec3f{}) normals->changed[row] = 0;
-    if (normals->changed[row] != 0) normals->rows[row] = fresh->normals[row];
-  }
+  if (auto ok = normals->recompute(moved, triangles, triangles, run); !ok) return ok.error();
   return normals;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/io/draco.h"
 #include "core/io/draco_grid.h"
+#include "core/io/normal_rows.h"
 #include "core/run/parallel.h"
 
 namespace burnish {
@@ -45,16 +46,10 @@ class DracoDocument final : public Document {
   std::vector<DracoCoding> codings_;
 };
 
-/// Normals of a normal attribute with 3 components, recomputed where a triangle that uses them moved. Points
-/// that share position and normal share a row, so a texture seam in a smooth region stays smooth.
-struct RecomputedNormals {
-  std::vector<Index> row_of_point;
-  std::vector<Vec3f> rows;
-  std::vector<std::uint8_t> changed;  ///< per row
-};
-Result<RecomputedNormals> recompute_normals(const draco::PointAttribute& attribute,
-                                            const MovedPositions& moved, std::span<const Triangle> triangles,
-                                            const RunControl& run);
+/// Normals of a normal attribute with 3 components, an element a point, recomputed where a triangle that uses
+/// them moved.
+Result<NormalRows> recompute_normals(const draco::PointAttribute& attribute, const MovedPositions& moved,
+                                     std::span<const Triangle> triangles, const RunControl& run);
 
 /// Moves the positions of `mesh`, whose first points are the vertices of `moved`, and writes it. `inherited`
 /// has one entry per attribute. Errors: CannotEncode, BadOption, Cancelled, DeadlineExceeded.

@@ -6,14 +6,9 @@
 #include <string_view>
 
 #include "core/io/codec.h"
+#include "core/io/text_range.h"
 
 namespace burnish {
-
-/// A stretch of the file's text.
-struct TextRange {
-  std::uint64_t begin = 0;
-  std::uint64_t length = 0;
-};
 
 /// 1-based line of a place in a text.
 std::uint64_t line_at(std::string_view text, std::uint64_t offset);
