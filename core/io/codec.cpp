@@ -4,7 +4,9 @@
 
 #include "core/io/draco.h"
 #include "core/io/obj.h"
+#include "core/io/off.h"
 #include "core/io/ply.h"
+#include "core/io/stl.h"
 
 namespace burnish {
 namespace {
@@ -36,6 +38,16 @@ const Codec& codec_of(Format format) {
         .encode_as = [](const MovedPositions& moved, std::span<const Triangle> triangles,
                         const SharedAttributes& attributes, const OutputOptions&,
                         const RunControl& run) { return encode_as_ply(moved, triangles, attributes, run); }}},
+      {Format::Stl,
+       {.decode = decode_stl,
+        .encode_as = [](const MovedPositions& moved, std::span<const Triangle> triangles,
+                        const SharedAttributes&, const OutputOptions&,
+                        const RunControl& run) { return encode_as_stl(moved, triangles, run); }}},
+      {Format::Off,
+       {.decode = decode_off,
+        .encode_as = [](const MovedPositions& moved, std::span<const Triangle> triangles,
+                        const SharedAttributes& attributes, const OutputOptions&,
+                        const RunControl& run) { return encode_as_off(moved, triangles, attributes, run); }}},
   };
   static const Codec kNothing;
   const auto found = kCodecs.find(format);

@@ -51,6 +51,7 @@ constexpr std::array<FormatTraits, 6> kFormats{{
      .media_type = "model/off",
      .other_media_types = kOffTypes,
      .may_be_text = true,
+     .carries_normals = false,
      .carries_texture_coordinates = false},
     {.format = Format::Glb,
      .name = "glb",
