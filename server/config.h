@@ -5,12 +5,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "core/run/error.h"
+#include "server/http/page.h"
 #include "server/security/tls.h"
 #include "server/service/limits.h"
 
@@ -69,6 +71,7 @@ struct Config {
   std::chrono::seconds head_timeout{10};  ///< for the head of an HTTP request
   std::uint32_t min_body_rate = 1024;     ///< bytes a second that a body must bring after its first 10 s
   std::vector<std::string> cors_origins;  ///< pages that may call from a browser; "*": all; empty: none
+  std::span<const PageFile> page = {};    ///< what `/` shows; no setting; empty: nothing
 
   std::chrono::seconds longest_run{600};  ///< of one job
   std::chrono::seconds grace{30};         ///< for accepted jobs after a signal to stop

@@ -13,6 +13,7 @@
 
 #include "server/config.h"
 #include "server/healthcheck.h"
+#include "server/http/page.h"
 #include "server/observe/log.h"
 #include "server/sandbox/helper.h"
 #include "server/server.h"
@@ -76,6 +77,7 @@ int main(int argc, char** argv) {
   auto& config = std::get<burnish::Config>(parsed);
   if (config.health_check) return report_health(config);
   config.helper_program = "/proc/self/exe";  // this very program, also when its file was replaced
+  config.page = burnish::page_files();
   burnish::set_up_log(config.log_level);
   allow_many_files();
 

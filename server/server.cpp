@@ -101,7 +101,7 @@ Server::Server(const Config& config, Store store, std::unique_ptr<Tokens> tokens
       durable_jobs_(*store_.records, *store_.files, jobs_,
                     {.max_jobs = config.max_jobs, .max_seconds = config.jobs_seconds, .keep = config.keep}),
       uploads_(*store_.records, *store_.files, jobs_, {.keep = config.keep}),
-      gateway_(jobs_, durable_jobs_, uploads_, {.cors_origins = config.cors_origins}) {
+      gateway_(jobs_, durable_jobs_, uploads_, {.cors_origins = config.cors_origins, .page = config.page}) {
   jobs_.ask_for(tokens_.get());
   jobs_.name_replica(config.replica);
   jobs_.set_more_gauges([this](Gauges& gauges) {

@@ -25,7 +25,8 @@ bool Cors::allows(std::string_view origin) const {
 
 void Cors::allow(const HttpRequest& request, HttpResponse& response) const {
   if (origins_.empty()) return;
-  response.headers["Vary"] = "Origin";  // for caches, whoever asks
+  std::string& vary = response.headers["Vary"];  // for caches, whoever asks
+  vary.append(vary.empty() ? "" : ", ").append("Origin");
   const std::string_view origin = request.header("Origin");
   if (!allows(origin)) return;
   response.headers["Access-Control-Allow-Origin"] = origin;

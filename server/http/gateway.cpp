@@ -147,6 +147,7 @@ Gateway::Gateway(Jobs& jobs, DurableJobs& durable_jobs, Uploads& uploads, Gatewa
       jobs_api_(jobs, durable_jobs),
       uploads_api_(uploads),
       cors_(std::move(options.cors_origins)),
+      page_(options.page),
       openapi_(openapi_document(jobs.limits())) {}
 
 std::optional<HttpResponse> Gateway::answer_head(const HttpRequest& request,
@@ -199,6 +200,7 @@ std::optional<BodyTaking> Gateway::take_body(const HttpRequest& request) {
 std::optional<HttpResponse> Gateway::answer_head(Exchange& exchange,
                                                  const std::function<bool()>& client_gone) {
   const auto& [request, route, caller] = exchange;
+  if (!route && is_page_path(request.path)) return answer_page(exchange);
   if (!route) return refuse(exchange, {Cause::NotFound, "there is nothing at " + request.path});
   const std::string allow(route->verbs);
   if (request.method == "OPTIONS") return HttpResponse{.status = 204, .headers = {{"Allow", allow}}};
@@ -210,6 +212,18 @@ std::optional<HttpResponse> Gateway::answer_head(Exchange& exchange,
     auto answer = answer_kept(exchange, client_gone);
     return answer ? std::move(answer).value() : refuse(exchange, answer.error());
   }
+  HttpResponse response = refuse(exchange, {Cause::MethodNotAllowed, request.path + " answers " + allow});
+  response.headers["Allow"] = allow;
+  return response;
+}
+
+HttpResponse Gateway::answer_page(Exchange& exchange) {
+  const HttpRequest& request = exchange.request;
+  auto answer = page_answer(page_, request);
+  if (!answer) return refuse(exchange, answer.error());
+  const std::string allow(kPageVerbs);
+  if (request.method == "OPTIONS") return {.status = 204, .headers = {{"Allow", allow}}};
+  if (request.method == "GET" || request.method == "HEAD") return std::move(answer).value();
   HttpResponse response = refuse(exchange, {Cause::MethodNotAllowed, request.path + " answers " + allow});
   response.headers["Allow"] = allow;
   return response;

@@ -4,19 +4,22 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "server/http/cors.h"
 #include "server/http/http_message.h"
 #include "server/http/jobs_api.h"
+#include "server/http/page.h"
 #include "server/http/uploads_api.h"
 #include "server/jobs/jobs.h"
 
 namespace burnish {
 
 struct GatewayOptions {
-  std::vector<std::string> cors_origins;  ///< pages that may call from a browser; "*": all; empty: none
+  std::vector<std::string> cors_origins = {};  ///< pages that may call from a browser; "*": all; empty: none
+  std::span<const PageFile> page = {};         ///< what `/` shows; empty: nothing
 };
 
 /// Who takes a body, or, when there is no taker, the refusal of it.
@@ -25,8 +28,9 @@ struct BodyTaking {
   HttpResponse refusal;
 };
 
-/// Every path of routes.h. Each answer carries Burnish-Request-Id; each request is logged once, and those
-/// with meshes counted once. A HEAD is answered as its GET: the transport leaves out the body. Thread-safe.
+/// Every path of routes.h, and the page. Each answer carries Burnish-Request-Id; each request is logged once,
+/// and those with meshes counted once. A HEAD is answered as its GET: the transport leaves out the body.
+/// Thread-safe.
 class Gateway {
  public:
   Gateway(Jobs& jobs, DurableJobs& durable_jobs, Uploads& uploads, GatewayOptions options = {});
@@ -54,6 +58,7 @@ class Gateway {
   struct Exchange;
   class Taker;
   std::optional<HttpResponse> answer_head(Exchange& exchange, const std::function<bool()>& client_gone);
+  HttpResponse answer_page(Exchange& exchange);
   Result<HttpResponse> answer_kept(const Exchange& exchange, const std::function<bool()>& client_gone);
   std::optional<HttpResponse> refuse_early(Exchange& exchange);
   HttpResponse answer_read(const Exchange& exchange) const;
@@ -68,6 +73,7 @@ class Gateway {
   JobsApi jobs_api_;
   UploadsApi uploads_api_;
   const Cors cors_;
+  const std::span<const PageFile> page_;
   const std::string openapi_;
 };
 
