@@ -117,6 +117,7 @@ export async function smooth(page) {
 
 /** Until the last picture has been on the screen for a moment. */
 export async function drawn(page) {
+  await page.waitForSelector('#view canvas');
   await page.evaluate(async () => {
     const canvas = document.querySelector('#view canvas');
     for (let same = 0, last; same < 3;) {
