@@ -19,6 +19,7 @@ struct BenchArguments {
 };
 
 Result<> bench(const BenchArguments& arguments, const Console& console) {
+  if (arguments.place.server.empty()) return Error{Cause::BadOption, "--server is required"};
   Result<std::string> mesh = read_file(arguments.mesh);
   if (!mesh) return mesh.error();
   v1::SmoothRequest request;
@@ -26,7 +27,9 @@ Result<> bench(const BenchArguments& arguments, const Console& console) {
   request.mutable_options()->set_method(arguments.method);
   const auto client = connect(arguments.place);
   if (!client) return client.error();
-  client::CallOptions options = call_options(arguments.place, console);
+  const auto given = call_options(arguments.place, console);
+  if (!given) return given.error();
+  const client::CallOptions& options = *given;
   // The first call opens the connection, and says what would be wrong with all of them.
   if (auto first = client->smooth(request, options); !first && first.error().code == grpc::INVALID_ARGUMENT)
     return error_from(first.error(), arguments.place);
@@ -55,10 +58,12 @@ void add_bench_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<BenchArguments>();
   CLI::App* command = app.add_subcommand("bench", "Load a server with calls and tell how it bears them");
   command->add_option("--server", arguments->place.server, "The burnishd at HOST:PORT or unix:PATH (gRPC)")
-      ->required();
+      ->type_name("ADDRESS");
+  add_token_file(command, arguments->place);
   add_tls(command, arguments->place);
-  command->add_option("--mesh", arguments->mesh, "The mesh of every call")->required();
-  command->add_option("--method", arguments->method, "Its method; default: the server's");
+  command->add_option("--mesh", arguments->mesh, "The mesh of every call")->type_name("FILE")->required();
+  command->add_option("--method", arguments->method, "Its method; default: the server's")
+      ->type_name("METHOD");
   command->add_option("--concurrency", arguments->load.concurrency, "Calls at once")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();

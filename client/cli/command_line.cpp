@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "client/cli/commands.h"
+#include "client/cli/preferences.h"
 #include "server/service/smooth_service.h"
 #include "server/status_map.h"
 
@@ -15,7 +16,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 2 bad call, 3 bad mesh, 4 refused or out of time, 5 server, 6 files, 130 Ctrl-C.";
 
 int fail(const Console& console, const Error& error) {
-  console.err << "burnish: " << cause_code(error.cause) << ": " << error.message << std::endl;
+  print_error(console, error);
   return status_of(error.cause).exit_code;
 }
 
@@ -46,6 +47,14 @@ int run_command_line(int argc, const char* const* argv, const Console& console) 
 #endif
   add_methods_command(app, chosen);
   add_bench_command(app, chosen);
+  add_completion_command(app, chosen);
+  add_man_command(app, chosen);
+  std::string config;
+  app.add_option("--config", config,
+                 "JSON file with what calls leave open; default: burnish/config.json where XDG_CONFIG_HOME "
+                 "says, or in ~/.config")
+      ->type_name("FILE");
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) command->fallthrough();
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -53,6 +62,8 @@ int run_command_line(int argc, const char* const* argv, const Console& console) 
   } catch (const CLI::Error& wrong) {
     return fail(console, {Cause::BadOption, std::string(wrong.what()) + " (see burnish --help)"});
   }
+  if (const auto applied = apply_preferences(*app.get_subcommands().front(), config); !applied)
+    return fail(console, applied.error());
   const Result<> done = run(chosen, console);
   return done ? 0 : fail(console, done.error());
 }

@@ -19,5 +19,8 @@ void add_sample_command(CLI::App& app, Command& chosen);
 void add_methods_command(CLI::App& app, Command& chosen);
 void add_bench_command(CLI::App& app, Command& chosen);
 void add_render_command(CLI::App& app, Command& chosen);
+/// Both read the other commands of `app`, which must outlive the work.
+void add_completion_command(CLI::App& app, Command& chosen);
+void add_man_command(CLI::App& app, Command& chosen);
 
 }  // namespace burnish::cli

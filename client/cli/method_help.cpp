@@ -2,10 +2,7 @@
 
 #include <sstream>
 
-#include "core/smooth/registry.h"
-
 namespace burnish::cli {
-namespace {
 
 std::string default_text(const ParameterSpec& spec) {
   std::ostringstream out;
@@ -24,8 +21,6 @@ std::string range_text(const ParameterSpec& spec) {
   }
   return out.str();
 }
-
-}  // namespace
 
 std::string method_help() {
   std::ostringstream out;

@@ -47,7 +47,7 @@ void ProgressBar::show(v1::SmoothStage stage, double fraction) {
   stage_ = stage;
   percent_ = percent;
   const bool tells = stage == v1::SMOOTH_STAGE_SMOOTH || percent > 0;
-  terminal_ << kWipe << label(stage) << " " << (tells ? bar(percent) : "...") << std::flush;
+  terminal_ << kWipe << title_ << label(stage) << " " << (tells ? bar(percent) : "...") << std::flush;
 }
 
 }  // namespace burnish::cli

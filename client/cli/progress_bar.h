@@ -2,6 +2,8 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
+#include <utility>
 
 #include "burnish/v1/smoothing.pb.h"
 
@@ -12,7 +14,9 @@ namespace burnish::cli {
 /// Not thread-safe.
 class ProgressBar {
  public:
-  explicit ProgressBar(std::ostream& terminal) : terminal_(terminal) {}
+  /// `title` leads the line: "[3/12] scan.obj ".
+  explicit ProgressBar(std::ostream& terminal, std::string title = {})
+      : terminal_(terminal), title_(std::move(title)) {}
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -21,6 +25,7 @@ class ProgressBar {
 
  private:
   std::ostream& terminal_;
+  std::string title_;
   bool shown_ = false;
   v1::SmoothStage stage_ = v1::SMOOTH_STAGE_UNSPECIFIED;
   int percent_ = 0;

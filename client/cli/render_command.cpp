@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/cli/choices.h"
 #include "client/cli/commands.h"
 #include "client/cli/files.h"
 #include "client/cli/heat.h"
@@ -73,14 +74,6 @@ Result<> take_vertex_colors(Subject& subject, const std::string& path, const Run
 
 using Subjects = std::vector<std::unique_ptr<Subject>>;
 
-/// A round number that all but one of a hundred values do not exceed: the farthest few would leave the others
-/// pale.
-double end_of_legend(std::vector<double> values) {
-  const auto rank = values.begin() + static_cast<std::ptrdiff_t>(values.size() - 1 - values.size() / 100);
-  std::nth_element(values.begin(), rank, values.end());
-  return *rank > 0 ? render::round_up(*rank) : 1;
-}
-
 /// Colours by the distance to the reference, all on one scale.
 Result<> take_heat(RenderArguments& arguments, Subjects& subjects, const Console& console,
                    const RunControl& run) {
@@ -93,7 +86,7 @@ Result<> take_heat(RenderArguments& arguments, Subjects& subjects, const Console
     subject->distances = std::move(*distances);
     all.insert(all.end(), subject->distances.begin(), subject->distances.end());
   }
-  const double most = arguments.heat_most.value_or(end_of_legend(all));
+  const double most = arguments.heat_most.value_or(end_of_heat(all));
   for (auto& subject : subjects) {
     for (const double distance : subject->distances)
       subject->heat.push_back(static_cast<float>(distance / most));
@@ -211,14 +204,16 @@ void add_view(CLI::App* command, RenderArguments& arguments) {
       ->check(CLI::Range(-90.0, 90.0))
       ->capture_default_str();
   command->add_option("--up", arguments.view.up, "Axis that points up: y (default) or z")
-      ->transform(CLI::CheckedTransformer(kUp, CLI::ignore_case).description("TEXT"));
+      ->transform(choice_of(kUp))
+      ->type_name(names_of(kUp));
   command->add_option("--zoom", arguments.view.zoom, "1: the whole mesh fits")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   command
       ->add_option("--fit", arguments.sheet.fit,
                    "row (default): meshes of a row are seen from one place; each: every mesh fills its panel")
-      ->transform(CLI::CheckedTransformer(kFits, CLI::ignore_case).description("TEXT"));
+      ->transform(choice_of(kFits))
+      ->type_name(names_of(kFits));
 }
 
 void add_look(CLI::App* command, RenderArguments& arguments) {
@@ -239,6 +234,7 @@ void add_look(CLI::App* command, RenderArguments& arguments) {
 void add_heat(CLI::App* command, RenderArguments& arguments) {
   CLI::Option* reference = command->add_option("--reference", arguments.reference,
                                                "Colour by the distance to this mesh, with a legend");
+  reference->type_name("FILE");
   command
       ->add_option("--heat-most", arguments.heat_most,
                    "Distance of the darkest colour; default: what 99% do not exceed, rounded up")
@@ -260,6 +256,7 @@ void add_render_command(CLI::App& app, Command& chosen) {
   command
       ->add_option("FILES", arguments->files,
                    "Mesh files, then the PNG file to write; - for standard input and output")
+      ->type_name("FILE")
       ->required()
       ->expected(2, 1000);
   command->add_option("--size", arguments->size,

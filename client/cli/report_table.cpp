@@ -137,4 +137,26 @@ void print_report(std::ostream& out, const v1::SmoothReport& report) {
   print_warnings(out, report.warnings());
 }
 
+void print_forecast(std::ostream& out, const std::string& file, const v1::SmoothReport& report,
+                    double seconds, std::uint64_t memory_bytes) {
+  out << file << " (burnish " << report.version() << ", dry run: nothing is written)\n";
+  row(out, "input", counts(report.input()));
+  row(out, "noise", noise(report.noise()));
+  row(out, "method", report.method());
+  row(out, "parameters", list(report.parameters()));
+  if (report.has_choice()) row(out, "would choose", choice(report.choice()));
+  if (report.pinned_vertices() > 0)
+    row(out, "pinned", std::to_string(report.pinned_vertices()) + " vertices");
+  row(out, "smoothing takes", "about " + text(seconds) + " s on one core");
+  row(out, "memory", "about " + text(static_cast<double>(memory_bytes) / (1 << 20)) + " MiB");
+  print_warnings(out, report.warnings());
+}
+
+void print_heatmap(std::ostream& out, const std::string& file, double most, double largest) {
+  out << "heat map\n";
+  row(out, "file", file);
+  row(out, "palest", "0");
+  row(out, "darkest", text(most) + (largest > most ? " or more, up to " + text(largest) : ""));
+}
+
 }  // namespace burnish::cli

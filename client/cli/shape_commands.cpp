@@ -1,7 +1,10 @@
 // `noise` and `sample`: meshes to try the rest on.
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <ostream>
 
+#include "client/cli/choices.h"
 #include "client/cli/commands.h"
 #include "client/cli/files.h"
 #include "client/cli/mesh_files.h"
@@ -15,13 +18,28 @@ namespace {
 struct NoiseArguments {
   std::string in, out;
   NoiseOptions noise;
+  bool json = false;
 };
 
 struct SampleArguments {
   std::string out;
   unsigned resolution = kSampleResolution;
   NoiseOptions noise{.amplitude = 0.3};
+  bool json = false;
 };
+
+/// What was written, for programs; where the mesh goes to standard output, this goes beside it.
+void print_json(const Console& console, const std::string& file, const Encoded& encoded, std::size_t vertices,
+                std::size_t triangles) {
+  const nlohmann::ordered_json json = {
+      {"file", file},
+      {"format", format_name(encoded.format)},
+      {"vertices", encoded.vertices.value_or(static_cast<std::uint32_t>(vertices))},
+      {"triangles", encoded.triangles.value_or(static_cast<std::uint32_t>(triangles))},
+      {"bytes", encoded.bytes.size()}};
+  (file == "-" ? console.err : console.out)
+      << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+}
 
 /// A surface with noise, and where it was before.
 struct NoisySurface {
@@ -45,8 +63,8 @@ Result<NoisySurface> noisy_surface(std::span<const Vec3d> positions, std::span<c
 
 Result<> make_noisy(const NoiseArguments& arguments, const Console& console) {
   const RunControl run{.stop = console.stop, .threads = 0};
-  if (Result<> writable = check_writable(arguments.out); !writable) return writable;
-  Result<std::string> bytes = read_file(arguments.in);
+  if (Result<> writable = check_output(arguments.out); !writable) return writable;
+  Result<std::string> bytes = read_input(arguments.in, console);
   if (!bytes) return bytes.error();
   Result<std::unique_ptr<Document>> document = decode(*bytes, std::nullopt, no_limits(), run);
   if (!document) return document.error();
@@ -56,12 +74,15 @@ Result<> make_noisy(const NoiseArguments& arguments, const Console& console) {
   Result<Encoded> file = encode(**document, noisy->moved(positions),
                                 {.format = format_of_name(arguments.out), .draco = {}}, run);
   if (!file) return file.error();
-  return write_file(arguments.out, file->bytes);
+  if (Result<> written = write_output(arguments.out, file->bytes, console); !written) return written;
+  if (arguments.json)
+    print_json(console, arguments.out, *file, positions.size(), (*document)->triangles().size());
+  return {};
 }
 
 Result<> make_sample_file(const SampleArguments& arguments, const Console& console) {
   const RunControl run{.stop = console.stop, .threads = 0};
-  if (Result<> writable = check_writable(arguments.out); !writable) return writable;
+  if (Result<> writable = check_output(arguments.out); !writable) return writable;
   Result<Shape> shape = make_sample(arguments.resolution);
   if (!shape) return shape.error();
   Result<NoisySurface> noisy = noisy_surface(shape->positions, shape->triangles, arguments.noise, run);
@@ -70,7 +91,10 @@ Result<> make_sample_file(const SampleArguments& arguments, const Console& conso
   const Format format = format_of_name(arguments.out).value_or(Format::Obj);
   Result<Encoded> file = encode_as(format, moved, shape->triangles, {}, {}, run);
   if (!file) return file.error();
-  return write_file(arguments.out, file->bytes);
+  if (Result<> written = write_output(arguments.out, file->bytes, console); !written) return written;
+  if (arguments.json)
+    print_json(console, arguments.out, *file, shape->positions.size(), shape->triangles.size());
+  return {};
 }
 
 void add_noise_size(CLI::App* command, NoiseOptions& noise) {
@@ -93,19 +117,27 @@ void add_noise_command(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<NoiseArguments>();
   NoiseOptions& noise = arguments->noise;
   CLI::App* command = app.add_subcommand("noise", "Add artificial scanner noise to a mesh");
-  command->add_option("IN", arguments->in, "Mesh file: " + list_of_format_names())->required();
-  command->add_option("OUT", arguments->out, "File to write, in the format of its extension, else as IN")
+  command->add_option("IN", arguments->in, "Mesh file: " + list_of_format_names() + "; - for standard input")
+      ->type_name("FILE")
       ->required();
+  command
+      ->add_option("OUT", arguments->out,
+                   "File to write, in the format of its extension, else as IN; - for standard output")
+      ->type_name("FILE")
+      ->required();
+  command->add_flag("--json", arguments->json, "Print what was written as JSON");
   add_noise_size(command, noise);
   command
       ->add_option("--kind", noise.kind,
                    "gaussian (default), uniform, or impulsive: uniform at some vertices")
-      ->transform(CLI::CheckedTransformer(kKinds, CLI::ignore_case).description("TEXT"));
+      ->transform(choice_of(kKinds))
+      ->type_name(names_of(kKinds));
   command
       ->add_option(
           "--direction", noise.direction,
           "normal (default): along the area-weighted vertex normal; random: each coordinate on its own")
-      ->transform(CLI::CheckedTransformer(kDirections, CLI::ignore_case).description("TEXT"));
+      ->transform(choice_of(kDirections))
+      ->type_name(names_of(kDirections));
   command->add_option("--fraction", noise.fraction, "Part of the vertices that impulsive noise hits")
       ->capture_default_str();
   command->callback([&chosen, arguments] {
@@ -118,8 +150,12 @@ void add_sample_command(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand("sample",
                                          "Write a made-up scan: a cube with a dome, a bowl and pyramids, "
                                          "under gaussian noise along its normals");
-  command->add_option("OUT", arguments->out, "File to write, in the format of its extension, else OBJ")
+  command
+      ->add_option("OUT", arguments->out,
+                   "File to write, in the format of its extension, else OBJ; - for standard output")
+      ->type_name("FILE")
       ->required();
+  command->add_flag("--json", arguments->json, "Print what was written as JSON");
   add_noise_size(command, arguments->noise);
   command->add_option("--resolution", arguments->resolution, "Cells per side, 4 to 1000; 12 N^2 triangles")
       ->capture_default_str();

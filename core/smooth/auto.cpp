@@ -29,42 +29,57 @@ const char* kind_of_surface(double sharp_bending) {
                                : "a machined part's";
 }
 
-std::string reason(const NoiseEstimate& noise, double share, double sharp_bending) {
-  std::array<char, 300> text{};
+std::string reason(const NoiseEstimate& noise, double share) {
+  std::array<char, 200> text{};
   if (share == 0) {
     std::snprintf(text.data(), text.size(),
                   "the noise, %.3f mean edges, is no more than a clean mesh shows: nothing to take away",
                   noise.sigma_over_edge);
   } else {
-    std::snprintf(
-        text.data(), text.size(),
-        "%s noise of %.3f mean edges%s; the surface below is %s: %.0f%% of its bending is at sharp edges",
-        std::string(name_of(noise.kind)).c_str(), noise.sigma_over_edge,
-        share < 1 ? ", near that of a clean mesh, so only part of the way" : "",
-        kind_of_surface(sharp_bending), 100 * sharp_bending);
+    std::snprintf(text.data(), text.size(), "%s noise of %.3f mean edges%s",
+                  std::string(name_of(noise.kind)).c_str(), noise.sigma_over_edge,
+                  share < 1 ? ", near that of a clean mesh, so only part of the way" : "");
   }
+  return text.data();
+}
+
+/// The end of the reason, once the surface is there.
+std::string surface_below(double sharp_bending) {
+  std::array<char, 200> text{};
+  std::snprintf(text.data(), text.size(),
+                "; the surface below is %s: %.0f%% of its bending is at sharp edges",
+                kind_of_surface(sharp_bending), 100 * sharp_bending);
   return text.data();
 }
 
 }  // namespace
 
-Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, const IterationOptions& options,
-                                  const RunControl& run) {
+Result<AutoPlan> plan_auto(const Surface& surface, const AutoParams& params, const IterationOptions& options,
+                           const RunControl& run) {
   const NoiseEstimate noise = estimate_noise(surface, surface.mesh.positions, run);
   if (run.stopped()) return run.stop_error();
-  const double share = share_of_noise(noise.sigma_over_edge);
-  const LearnedNormalsParams chosen{.strength = params.strength * share};
+  const double share = share_of_noise(noise.sigma_over_edge), strength = params.strength * share;
+  const std::int64_t stages = strength == 0 ? 0 : options.iterations;
+  return AutoPlan{noise,
+                  {.method = "learned_normals",
+                   .parameters = {{"iterations", stages}, {"strength", strength}},
+                   .reason = reason(noise, share)}};
+}
+
+Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, const IterationOptions& options,
+                                  const RunControl& run) {
+  auto plan = plan_auto(surface, params, options, run);
+  if (!plan) return plan.error();
+  MethodChoice& choice = plan->choice;
   IterationOptions stages = options;
-  if (chosen.strength == 0) stages.iterations = 0;
+  stages.iterations = static_cast<std::uint32_t>(std::get<std::int64_t>(choice.parameters.at("iterations")));
+  const LearnedNormalsParams chosen{.strength = std::get<double>(choice.parameters.at("strength"))};
   auto outcome = smooth_learned_normals(surface, chosen, stages, run);
   if (!outcome) return outcome.error();
-  const double sharp_bending = share_of_sharp_bending(surface, run);  // a stop makes it mean nothing
-  outcome->noise = noise;
-  outcome->choice = MethodChoice{
-      .method = "learned_normals",
-      .parameters = {{"iterations", std::int64_t{stages.iterations}}, {"strength", chosen.strength}},
-      .sharp_bending = sharp_bending,
-      .reason = reason(noise, share, sharp_bending)};
+  choice.sharp_bending = share_of_sharp_bending(surface, run);  // a stop makes it mean nothing
+  if (share_of_noise(plan->noise.sigma_over_edge) > 0) choice.reason += surface_below(choice.sharp_bending);
+  outcome->noise = plan->noise;
+  outcome->choice = std::move(choice);
   return outcome;
 }
 

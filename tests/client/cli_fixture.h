@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/cli/command_line.h"
+#include "tests/client/environment.h"
 #include "tests/client/temporary_folder.h"
 
 namespace burnish::cli {
@@ -36,7 +37,7 @@ inline Outcome burnish(const std::vector<std::string>& arguments, const std::sto
 
 inline nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text, nullptr, false); }
 
-/// A folder with a small noisy sample and its reference.
+/// A folder with a small noisy sample and its reference; nobody's own settings count.
 class CommandLine : public ::testing::Test {
  protected:
   CommandLine() {
@@ -44,6 +45,7 @@ class CommandLine : public ::testing::Test {
     EXPECT_EQ(burnish({"sample", clean, "--resolution", "12", "--amplitude", "0"}).code, 0);
   }
   TemporaryFolder folder;
+  Variable settings{"XDG_CONFIG_HOME", folder / "settings"};
   std::string noisy = folder / "noisy.obj", clean = folder / "clean.obj", smooth = folder / "smooth.obj";
 };
 
