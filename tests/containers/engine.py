@@ -17,7 +17,8 @@ import time
 ROOT = pathlib.Path(__file__).parents[2]
 ENGINE = os.environ.get("ENGINE", "docker")
 BURNISH = str(ROOT / "build/release/bin/burnish")
-sys.path[:0] = [str(ROOT / "build/release/tests/e2e/stubs"), str(ROOT / "tests/e2e")]
+sys.path.insert(0, str(ROOT / "build/release/tests/e2e/stubs"))
+sys.path.append(str(ROOT / "tests/e2e"))
 ENVIRONMENT = {**os.environ, "no_proxy": "127.0.0.1,localhost", "NO_PROXY": "127.0.0.1,localhost"}
 PATIENCE_SECONDS = 60
 COMPOSE = ["docker-compose"] if ENGINE == "podman" else [ENGINE, "compose"]  # over podman's socket
