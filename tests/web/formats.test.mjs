@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { House, choose, smooth } from './house.mjs';
-import { ball, glb, obj, off, plyBinary, plyText, stl, stlText } from './meshes.mjs';
+import { ball, glb, glbDraco, obj, off, plyBinary, plyText, stl, stlText } from './meshes.mjs';
 
 let house, page;
 const mesh = ball(16);
@@ -30,6 +30,7 @@ for (const [name, what, make] of [
   ['text.stl', 'STL', () => stlText(mesh)],
   ['a.off', 'OFF', () => off(mesh)],
   ['a.glb', 'GLB', () => glb(mesh)],
+  ['draco.glb', 'GLB', async () => glbDraco(mesh, await draco('sequential'))],
 ]) {
   test(`${name}`, async (context) => {
     const path = house.file(name, await make());

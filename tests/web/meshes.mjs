@@ -57,24 +57,40 @@ export function stl({ positions, triangles }) {
 export const stlText = ({ positions, triangles }) => ['solid ball', ...triangles.flatMap((triangle) =>
   ['facet normal 0 0 0', 'outer loop', ...triangle.map((v) => `vertex ${positions[v].join(' ')}`), 'endloop', 'endfacet']), 'endsolid ball'].join('\n') + '\n';
 
-export function glb({ positions, triangles }) {
-  const points = Buffer.from(Float32Array.from(positions.flat()).buffer), corners = Buffer.from(Uint32Array.from(triangles.flat()).buffer);
+/** A glTF binary with one primitive over these buffer views: positions and indices, or all of it as Draco. */
+function glbOf({ positions, triangles }, views, primitive, more = {}) {
   const low = [0, 1, 2].map((axis) => Math.min(...positions.map((p) => p[axis]))), high = [0, 1, 2].map((axis) => Math.max(...positions.map((p) => p[axis])));
-  let json = JSON.stringify({
-    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
-    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+  const inViews = views.length > 1;
+  const pad = (bytes, fill) => Buffer.concat([bytes, Buffer.alloc((4 - (bytes.length % 4)) % 4, fill)]);
+  const body = pad(Buffer.concat(views), 0);
+  let offset = 0;
+  const json = pad(Buffer.from(JSON.stringify({
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], ...more,
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1, ...primitive }] }],
     accessors: [
-      { bufferView: 0, componentType: 5126, count: positions.length, type: 'VEC3', min: low, max: high },
-      { bufferView: 1, componentType: 5125, count: triangles.length * 3, type: 'SCALAR' }],
-    bufferViews: [{ buffer: 0, byteOffset: 0, byteLength: points.length }, { buffer: 0, byteOffset: points.length, byteLength: corners.length }],
-    buffers: [{ byteLength: points.length + corners.length }],
-  });
-  json += ' '.repeat((4 - (json.length % 4)) % 4);
-  const chunk = (type, body) => { const head = Buffer.alloc(8); head.writeUInt32LE(body.length, 0); head.write(type, 4, 'latin1'); return Buffer.concat([head, body]); };
-  const body = Buffer.concat([chunk('JSON', Buffer.from(json)), chunk('BIN\0', Buffer.concat([points, corners]))]);
+      { ...(inViews ? { bufferView: 0 } : {}), componentType: 5126, count: positions.length, type: 'VEC3', min: low, max: high },
+      { ...(inViews ? { bufferView: 1 } : {}), componentType: 5125, count: triangles.length * 3, type: 'SCALAR' }],
+    bufferViews: views.map((view) => ({ buffer: 0, byteOffset: (offset += view.length) - view.length, byteLength: view.length })),
+    buffers: [{ byteLength: body.length }],
+  })), ' ');
+  const chunk = (type, content) => {
+    const head = Buffer.alloc(8);
+    head.writeUInt32LE(content.length, 0);
+    head.write(type, 4, 'latin1');
+    return Buffer.concat([head, content]);
+  };
+  const chunks = Buffer.concat([chunk('JSON', json), chunk('BIN\0', body)]);
   const head = Buffer.alloc(12);
   head.write('glTF', 0, 'latin1');
   head.writeUInt32LE(2, 4);
-  head.writeUInt32LE(12 + body.length, 8);
-  return Buffer.concat([head, body]);
+  head.writeUInt32LE(12 + chunks.length, 8);
+  return Buffer.concat([head, chunks]);
 }
+
+export const glb = (mesh) =>
+  glbOf(mesh, [Buffer.from(Float32Array.from(mesh.positions.flat()).buffer), Buffer.from(Uint32Array.from(mesh.triangles.flat()).buffer)], {});
+
+/** The same with its geometry as Draco, whose positions are the attribute with the unique id 0. */
+export const glbDraco = (mesh, draco) => glbOf(mesh, [draco],
+  { extensions: { KHR_draco_mesh_compression: { bufferView: 0, attributes: { POSITION: 0 } } } },
+  { extensionsUsed: ['KHR_draco_mesh_compression'], extensionsRequired: ['KHR_draco_mesh_compression'] });

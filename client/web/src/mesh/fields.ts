@@ -1,7 +1,5 @@
 import type { Field, Source } from './types';
 
-const BINS = 48;
-
 /** Numbers about values, and the ends of their colour map: what 99 of 100 vertices are within. */
 export function describe(values: Float32Array, signed = false): Field {
   let smallest = Infinity, largest = -Infinity, sum = 0, squares = 0;
@@ -13,11 +11,7 @@ export function describe(values: Float32Array, signed = false): Field {
   }
   const high = quantile(signed ? values.map(Math.abs) : values, signed ? 0.95 : 0.99) || largest || 1;
   const low = signed ? -high : 0;
-  const histogram = new Array<number>(BINS).fill(0);
-  for (const value of values) {
-    histogram[Math.max(0, Math.min(BINS - 1, Math.floor(((value - low) / (high - low)) * BINS)))]++;
-  }
-  return { values, low, high, smallest, largest, mean: sum / values.length, rms: Math.sqrt(squares / values.length), histogram };
+  return { values, low, high, smallest, largest, mean: sum / values.length, rms: Math.sqrt(squares / values.length) };
 }
 
 function quantile(values: Float32Array, share: number): number {

@@ -35,8 +35,6 @@ export interface Field {
   largest: number;
   mean: number;
   rms: number;
-  /** Vertices per bin, from low to high; those beyond are in the outermost bins. */
-  histogram: number[];
   /** Not from vertex to vertex but to the nearest point of the surface. */
   nearest?: boolean;
 }

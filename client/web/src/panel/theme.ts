@@ -11,7 +11,8 @@ export function setUpTheme(changed: () => void): void {
     const chosen = localStorage.getItem(KEY);
     if (chosen) document.documentElement.dataset.theme = chosen;
     else delete document.documentElement.dataset.theme;
-    button.setAttribute('aria-pressed', String(shown() === 'dark'));
+    button.textContent = shown() === 'dark' ? 'Light' : 'Dark';
+    button.setAttribute('aria-label', `${button.textContent} theme`);
     changed();
   };
   button.onclick = () => {

@@ -4,7 +4,7 @@ import { count, figure } from '../text';
 import { type MapName, cssGradient } from './colours';
 
 const SVG = 'http://www.w3.org/2000/svg';
-const WIDTH = 240, HEIGHT = 44;
+const WIDTH = 240, HEIGHT = 44, BINS = 48;
 
 /** The colour map with its numbers in the file's unit, and how many vertices have which. */
 export function showLegend(title: string, field: Field | null, map: MapName, unit: string): void {
@@ -23,7 +23,15 @@ export function showLegend(title: string, field: Field | null, map: MapName, uni
   Object.assign(legend.dataset, { low: String(field.low), high: String(field.high), largest: String(field.largest), rms: String(field.rms), mean: String(field.mean) });
 }
 
-function drawHistogram({ histogram, low, high }: Field, title: string, unit: string): void {
+/** Vertices per bin, from one end of the colours to the other; those beyond are in the outermost bins. */
+function histogramOf({ values, low, high }: Field): number[] {
+  const bins = new Array<number>(BINS).fill(0);
+  for (const value of values) bins[Math.max(0, Math.min(BINS - 1, Math.floor(((value - low) / (high - low)) * BINS)))]++;
+  return bins;
+}
+
+function drawHistogram(field: Field, title: string, unit: string): void {
+  const { low, high } = field, histogram = histogramOf(field);
   const svg = byId('histogram') as unknown as SVGSVGElement;
   const most = Math.max(...histogram), wide = WIDTH / histogram.length;
   svg.replaceChildren(...histogram.map((vertices, bin) => {

@@ -133,8 +133,10 @@ export class Viewer {
   }
 
   setLayout(layout: Layout): void {
+    const narrow = () => Math.min(1, this.aspect()), was = narrow();
     this.layout = layout;
     this.resize();
+    if (narrow() !== was) this.zoom(was / narrow()); // the mesh keeps its place in its frame
   }
 
   setSplit(split: number): void {
