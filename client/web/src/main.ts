@@ -120,10 +120,13 @@ async function smooth(): Promise<void> {
   refreshButton();
   byId('cancel').focus({ preventScroll: true });
   try {
-    const { job, file, ...hashes } = await mine.run();
+    const outcome = await mine.run(), { job, file } = outcome;
     tell('Drawing', 0.99);
     const result = await inWorker('load', file, buffers.origin);
-    if (mesh?.buffers === buffers) addRun({ number: ++lastRun, job: job.id, ...hashes, options, report: job.report!, file, buffers: result });
+    if (mesh?.buffers === buffers) {
+      const referred = outcome.reference && against ? { sha256: outcome.reference, name: against.sent.name } : undefined;
+      addRun({ number: ++lastRun, job: job.id, mesh: outcome.mesh, reference: referred, options, report: job.report!, file, buffers: result });
+    }
   } catch (error) {
     sayWhy(error, '');
   } finally {
@@ -177,7 +180,7 @@ async function download(): Promise<void> {
   const format = chosenFormat(), { options } = current;
   try {
     if (format === mesh.buffers.format) return save(current.file, resultName(format));
-    const { id } = await submit({ mesh: current.mesh, reference: current.reference, options, output: format });
+    const { id } = await submit({ mesh: current.mesh, reference: current.reference?.sha256, options, output: format });
     checked(await follow(id, () => undefined));
     save(await resultOf(id), resultName(format));
   } catch (error) {
@@ -190,7 +193,7 @@ function showCall(): void {
   const language = document.querySelector<HTMLInputElement>('input[name="language"]:checked')!.value as Language;
   const format = chosenFormat();
   byId('call').textContent = callIn(language, {
-    server: location.origin, grpc: `${location.hostname}:50051`, mesh: mesh.sent.name, reference: current.reference && reference?.sent.name,
+    server: location.origin, grpc: `${location.hostname}:50051`, mesh: mesh.sent.name, reference: current.reference?.name,
     result: resultName(format), options: current.options, output: format === mesh.buffers.format ? undefined : format, token: token.get() !== '',
   });
 }
@@ -239,6 +242,7 @@ byId<HTMLFormElement>('options').onsubmit = (event) => {
   event.preventDefault();
   void smooth();
 };
+addEventListener('pagehide', () => running?.cancel()); // nobody would fetch the result
 byId<HTMLButtonElement>('cancel').onclick = () => running?.cancel();
 byId<HTMLButtonElement>('download').onclick = () => void download();
 byId<HTMLSelectElement>('format').onchange = showCall;

@@ -8,7 +8,7 @@ export interface Run {
   number: number;
   job: string;
   mesh: string;
-  reference?: string;
+  reference?: { sha256: string; name: string };
   options: Options;
   report: Report;
   file: Blob;
