@@ -110,7 +110,7 @@ TEST(Gateway, NamesTheQueryParameterThatIsWrong) {
       {{{"iterations", "-1"}}, Cause::BadOption, "iterations"},
       {{{"iterations", "3"}, {"iterations", "3"}}, Cause::BadOption, "iterations"},
       {{{"method", "taubin"}, {"method", "taubin"}}, Cause::BadOption, "method"},
-      {{{"output", "stl"}}, Cause::BadOption, "output"},
+      {{{"output", "fbx"}}, Cause::BadOption, "output"},
       {{{"timeout_ms", "0"}}, Cause::BadOption, "timeout_ms"},
       {{{"timeout_ms", "5s"}}, Cause::BadOption, "timeout_ms"},
       {{{"timeout_ms", "99999999999"}}, Cause::BadOption, "timeout_ms"},
