@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/io/declared.h"
 #include "core/io/draco_header.h"
 
 namespace burnish {
@@ -15,6 +16,11 @@ namespace {
 // OBJ.
 constexpr double kObjVertex = 70, kObjTriangle = 180, kObjRow = 45, kObjCitingTriangle = 24, kObjByte = 1;
 constexpr double kDracoPoint = 90, kDracoTriangle = 250, kDracoByte = 3;
+// PLY, STL and OFF, text and binary, with and without attributes, measured in the same way with a million
+// triangles: 1.2 to 1.7 times the peak in the same format (2.2 with attributes, which only other formats
+// take memory for), and 0.9 times where attributes become OBJ.
+constexpr double kOtherVertex = 70, kOtherTriangle = 180, kOtherRow = 80, kLeastPerOtherByte = 2,
+                 kOtherBytesPerTriangle = 50;
 // The same per byte of the file for those that are largest on disk: text, or lossless floats, with
 // everything.
 constexpr double kLeastPerObjByte = 2.5, kObjBytesPerTriangle = 110;
@@ -111,6 +117,19 @@ Estimate estimate_draco(std::string_view bytes) {
       points, triangles);
 }
 
+Estimate estimate_declared(std::string_view bytes, Format format) {
+  const auto counts = declared_counts(bytes, format);
+  if (!counts) return estimate(bytes.size(), format);
+  return make_estimate(counts->vertices * kOtherVertex + counts->triangles * kOtherTriangle +
+                           counts->rows * kOtherRow +
+                           static_cast<double>(bytes.size()) * counts->written_bytes,
+                       counts->vertices, counts->triangles);
+}
+
+bool tells_its_counts(Format format) {
+  return format == Format::Ply || format == Format::Stl || format == Format::Off;
+}
+
 }  // namespace
 
 std::uint64_t Estimate::memory_with(std::uint64_t smoothing_bytes) const {
@@ -123,6 +142,7 @@ Estimate estimate(std::string_view bytes, std::optional<Format> format) {
   if (!format) return estimate(bytes.size(), std::nullopt);
   if (*format == Format::Obj) return estimate_obj(bytes);
   if (*format == Format::Draco) return estimate_draco(bytes);
+  if (tells_its_counts(*format)) return estimate_declared(bytes, *format);
   return estimate(bytes.size(), format);
 }
 
@@ -131,6 +151,10 @@ Estimate estimate(std::uint64_t bytes, std::optional<Format> format) {
   if (format == Format::Draco) {
     const double triangles = size / kDracoBytesPerTriangle;
     return make_estimate(size * kLeastPerDracoByte, triangles / 2, triangles);
+  }
+  if (format && tells_its_counts(*format)) {
+    const double triangles = size / kOtherBytesPerTriangle;
+    return make_estimate(size * kLeastPerOtherByte, triangles / 2, triangles);
   }
   const double triangles = size / kObjBytesPerTriangle;
   return make_estimate(size * kLeastPerObjByte, triangles / 2, triangles);

@@ -47,12 +47,12 @@ class OffReader {
     document_->has_textures_ = takes("ST");
     document_->has_colors_ = takes("C");
     has_normals_ = takes("N");
-    const bool other_space = takes("4") | takes("n");
+    const bool fourth = takes("4"), any_number = takes("n");
     if (rest != "OFF") {
       return before.fail(Cause::MalformedMesh,
                          "an OFF file begins with OFF, COFF, NOFF or the like instead of " + before.quoted());
     }
-    if (other_space) {
+    if (fourth || any_number) {
       return before.fail(Cause::UnsupportedFormat,
                          "the vertices of " + before.quoted() + " do not have three coordinates");
     }

@@ -12,7 +12,7 @@ inline constexpr Limits kLimits{.max_bytes = 64 << 10,
                                 .max_attributes = 16,
                                 .max_line_bytes = 8 << 10};
 
-/// Estimates and decodes the bytes; smooths what is accepted by one step, writes it in both formats, and
+/// Estimates and decodes the bytes; smooths what is accepted by one step, writes it in every format, and
 /// aborts when what was written cannot be read again.
 void round_trip(std::string_view bytes, Format format);
 
