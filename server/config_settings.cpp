@@ -239,8 +239,8 @@ std::vector<Setting> limit_settings(RequestLimits& limits) {
       size("max-bytes", limits.mesh.max_bytes, 1, kTi, "largest mesh, and largest reference"),
       number("max-vertices", limits.mesh.max_vertices, 1, 1'000'000'000, "most vertices of a mesh"),
       number("max-triangles", limits.mesh.max_triangles, 1, 1'000'000'000, "most triangles of a mesh"),
-      number("max-attributes", limits.mesh.max_attributes, 1, 65536, "most attributes of a Draco mesh"),
-      size("max-line-bytes", limits.mesh.max_line_bytes, 1, kGi, "longest line of an OBJ"),
+      number("max-attributes", limits.mesh.max_attributes, 1, 65536, "most attributes of a Draco mesh, elements or properties of a PLY"),
+      size("max-line-bytes", limits.mesh.max_line_bytes, 1, kGi, "longest line of a text mesh"),
       number("max-iterations", limits.max_iterations, 0, 100'000, "most iterations of one job"),
       size("max-option-bytes", limits.max_option_bytes, 1, kMi, "largest options of one request"),
   };

@@ -52,8 +52,8 @@ struct Limits {
   std::uint64_t max_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_vertices = 20'000'000;
   std::uint64_t max_triangles = 40'000'000;
-  std::uint32_t max_attributes = 64;                      ///< of a Draco mesh
-  std::uint64_t max_line_bytes = std::uint64_t{1} << 20;  ///< of an OBJ
+  std::uint32_t max_attributes = 64;  ///< of a Draco mesh; elements and properties of a PLY
+  std::uint64_t max_line_bytes = std::uint64_t{1} << 20;  ///< of text
 };
 
 /// The written file and how true it is.
@@ -82,10 +82,10 @@ class Document {
   virtual std::string triangle_place(Index triangle) const = 0;  ///< "triangle 812 (line 10321)"
 
   /// For pin_vertices(): vertices of an OBJ's faces in the group `name` (`g a b`: in both; faces before the
-  /// first `g`, or after one without a name, are in "default"), and points of a Draco mesh where a component
-  /// of an attribute is not 0, which `name` names by its metadata entry "name" or else by its unique id.
-  /// Ascending, each once. Errors: BadOption, listing what there is or saying that the format has none;
-  /// Cancelled, DeadlineExceeded.
+  /// first `g`, or after one without a name, are in "default"); points of a Draco mesh where a component of
+  /// an attribute is not 0, which `name` names by its metadata entry "name" or else by its unique id;
+  /// vertices of a PLY whose property `name` is not 0. Ascending, each once. Errors: BadOption, listing what
+  /// there is or saying that the format has none; Cancelled, DeadlineExceeded.
   virtual Result<std::vector<Index>> group_vertices(std::string_view name, const RunControl& run) const;
   virtual Result<std::vector<Index>> attribute_vertices(std::string_view name, const RunControl& run) const;
 

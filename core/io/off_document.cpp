@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/io/colors.h"
 #include "core/io/text_number.h"
 #include "core/io/text_scan.h"
 
@@ -124,33 +125,31 @@ Result<Encoded> encode_as_off(const MovedPositions& moved, std::span<const Trian
                               const SharedAttributes& attributes, const RunControl& run) {
   const DecimalWriter coordinates(moved.frame), units(kUnitDecimals);
   const std::span<const float> colors = attributes.colors;
-  const bool bytes = std::ranges::all_of(
-      colors, [](float c) { return std::abs(c * 255.0f - std::round(c * 255.0f)) <= 1e-4f; });
+  const bool bytes = are_whole_bytes(colors);
   Encoded encoded;
   std::string& out = encoded.bytes;
   out = colors.empty() ? "OFF\n" : "COFF\n";
   out += std::to_string(moved.original.size()) + ' ' + std::to_string(triangles.size()) + " 0\n";
   const RunControl one = run.on_one_thread();
-  const bool done =
-      for_each(moved.original.size(), one,
-               [&](std::size_t v) {
-                 coordinates.append(out, moved.at(static_cast<Index>(v)));
-                 for (std::size_t c = 3 * v; c < 3 * v + 3 && !colors.empty(); ++c) {
-                   if (bytes) {
-                     append_whole(out, static_cast<std::uint64_t>(std::lround(colors[c] * 255.0f)));
-                   } else {
-                     out += ' ';
-                     units.append(out, static_cast<double>(colors[c]));
-                   }
-                 }
-                 if (!colors.empty()) out += bytes ? " 255" : " 1";
-                 out += '\n';
-               }) &&
-      for_each(triangles.size(), one, [&](std::size_t t) {
-        out += '3';
-        for (const Index corner : triangles[t]) append_whole(out, corner);
-        out += '\n';
-      });
+  const bool done = for_each(moved.original.size(), one,
+                             [&](std::size_t v) {
+                               coordinates.append(out, moved.at(static_cast<Index>(v)));
+                               for (std::size_t c = 3 * v; c < 3 * v + 3 && !colors.empty(); ++c) {
+                                 if (bytes) {
+                                   append_whole(out, whole_byte(colors[c]));
+                                 } else {
+                                   out += ' ';
+                                   units.append(out, static_cast<double>(colors[c]));
+                                 }
+                               }
+                               if (!colors.empty()) out += bytes ? " 255" : " 1";
+                               out += '\n';
+                             }) &&
+                    for_each(triangles.size(), one, [&](std::size_t t) {
+                      out += '3';
+                      for (const Index corner : triangles[t]) append_whole(out, corner);
+                      out += '\n';
+                    });
   if (!done) return run.stop_error();
   encoded.quantisation_error = coordinates.largest_error();
   return encoded;

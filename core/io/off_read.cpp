@@ -3,6 +3,7 @@
 
 #include "core/io/off_document.h"
 #include "core/io/pins.h"
+#include "core/io/polygons.h"
 #include "core/io/text_scan.h"
 #include "core/run/parallel.h"
 
@@ -136,7 +137,7 @@ class OffReader {
             Cause::TooLarge,
             "the mesh has more than " + std::to_string(limits_.max_triangles) + " triangles (max-triangles)");
       }
-      add_fan(corners, static_cast<Index>(f));
+      add_fan(corners, static_cast<Index>(f), document_->triangles_, document_->face_of_triangle_);
     }
     return {};
   }
@@ -168,19 +169,6 @@ class OffReader {
       corners.push_back(static_cast<Index>(vertex));
     }
     return {};
-  }
-
-  void add_fan(std::span<const Index> corners, Index face) {
-    std::vector<Triangle>& triangles = document_->triangles_;
-    std::vector<Index>& faces = document_->face_of_triangle_;
-    if (faces.empty() && corners.size() > 3) {
-      faces.resize(triangles.size());
-      for (Index t = 0; t < faces.size(); ++t) faces[t] = t;
-    }
-    for (std::size_t c = 2; c < corners.size(); ++c) {
-      triangles.push_back({corners[0], corners[c - 1], corners[c]});
-      if (!faces.empty() || corners.size() > 3) faces.push_back(face);
-    }
   }
 
   std::string_view text_;

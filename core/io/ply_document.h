@@ -56,7 +56,4 @@ class PlyDocument final : public Document {
   std::size_t face_triangles_ = 0;                     // those behind them are of strips
 };
 
-/// The list of "face" that holds its vertices, under either of its names; nothing: there is none.
-const PlyProperty* ply_vertex_indices(const PlyElement& element);
-
 }  // namespace burnish

@@ -1,6 +1,7 @@
 // Private to the PLY codec: what a header declares.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstring>
 #include <optional>
@@ -51,6 +52,21 @@ struct PlyHeader {
 /// Reads the header alone: whether the file holds what it declares is not its concern. Errors: MalformedMesh,
 /// UnsupportedFormat, TooLarge (max-attributes, max-line-bytes); each names the line.
 Result<PlyHeader> read_ply_header(std::string_view bytes, const Limits& limits);
+
+/// The elements that are the mesh; elements.size(): there is none.
+struct PlyLayout {
+  std::size_t vertices = 0, faces = 0;
+  std::array<const PlyProperty*, 3> axes{};  ///< x, y, z: float or double
+};
+/// Errors: EmptyMesh, NotATriangleMesh, MalformedMesh, UnsupportedFormat, TooLarge.
+Result<PlyLayout> find_ply_layout(const PlyHeader& header, const Limits& limits);
+
+/// The list that holds the vertices of faces or strips, under either of its names; nothing: there is none.
+const PlyProperty* ply_vertex_indices(const PlyElement& element);
+
+/// `the mesh has more than 5 vertices (max-vertices) (line 3)`
+Error ply_too_large(const PlyElement& element, const std::string& what, std::uint64_t limit,
+                    const std::string& name);
 
 /// A number of a binary file.
 template <class Number>

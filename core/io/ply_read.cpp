@@ -5,12 +5,11 @@
 #include "core/io/pins.h"
 #include "core/io/ply_document.h"
 #include "core/io/ply_source.h"
+#include "core/io/polygons.h"
 #include "core/run/parallel.h"
 
 namespace burnish {
 namespace {
-
-constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
 
 std::string row_name(const PlyElement& element, std::uint64_t row) {
   const std::string name = quote(element.name);
@@ -29,7 +28,11 @@ class PlyReader {
         header_(document_->header_) {}
 
   Result<std::unique_ptr<Document>> read() {
-    if (auto ok = check_elements(); !ok) return ok.error();
+    const auto layout = find_ply_layout(header_, limits_);
+    if (!layout) return layout.error();
+    document_->vertex_element_ = layout->vertices;
+    document_->face_element_ = layout->faces;
+    axes_ = layout->axes;
     if (header_.encoding == PlyEncoding::Text) {
       if (auto ok = check_line_lengths(bytes_, header_.end, limits_); !ok) return ok.error();
     }
@@ -41,51 +44,6 @@ class PlyReader {
   }
 
  private:
-  Result<> check_elements() {
-    document_->vertex_element_ = header_.find("vertex");
-    document_->face_element_ = header_.find("face");
-    const std::size_t none = header_.elements.size(), strips = header_.find("tristrips");
-    if (document_->vertex_element_ == none || document_->vertices().count == 0)
-      return Error{Cause::EmptyMesh, "the PLY file has no vertex"};
-    const PlyElement& vertices = document_->vertices();
-    if (document_->face_element_ == none && strips == none) {
-      return Error{Cause::NotATriangleMesh,
-                   "the PLY file holds points only, no element \"face\" or \"tristrips\""};
-    }
-    if (vertices.count > limits_.max_vertices)
-      return too_large(vertices, "vertices", limits_.max_vertices, "(max-vertices)");
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      axes_[axis] = vertices.find(kAxes[axis]);
-      if (axes_[axis] == nullptr || axes_[axis]->is_list()) {
-        return Error{Cause::MalformedMesh, "the element \"vertex\" has no property \"" +
-                                               std::string(kAxes[axis]) + '"' + declared(vertices)};
-      }
-      if (!is_real(axes_[axis]->type)) {
-        return Error{Cause::UnsupportedFormat, "the property \"" + std::string(kAxes[axis]) + "\" is " +
-                                                   std::string(name_of(axes_[axis]->type)) +
-                                                   "; positions must be float or double" +
-                                                   declared(vertices)};
-      }
-    }
-    for (const std::size_t e : {document_->face_element_, strips}) {
-      if (e == none) continue;
-      const PlyElement& faces = header_.elements[e];
-      if (faces.count > limits_.max_triangles && e == document_->face_element_)
-        return too_large(faces, "triangles", limits_.max_triangles, "(max-triangles)");
-      const PlyProperty* const indices = ply_vertex_indices(faces);
-      if (indices == nullptr) {
-        return Error{Cause::MalformedMesh, "the element " + quote(faces.name) +
-                                               " has no list \"vertex_indices\"" + declared(faces)};
-      }
-      if (is_real(indices->type)) {
-        return Error{Cause::UnsupportedFormat, "the list " + quote(indices->name) + " is of " +
-                                                   std::string(name_of(indices->type)) +
-                                                   "; indices must be whole numbers" + declared(faces)};
-      }
-    }
-    return {};
-  }
-
   template <class Source>
   Result<> read_elements(Source& source) {
     for (std::size_t e = 0; e < header_.elements.size(); ++e) {
@@ -186,8 +144,8 @@ class PlyReader {
                                                " corners; it needs at least 3" + source.place(begin)};
       }
       if (document_->triangles_.size() + corners.size() - 2 > limits_.max_triangles)
-        return too_large(element, "triangles", limits_.max_triangles, "(max-triangles)");
-      add_fan(corners, static_cast<Index>(row));
+        return ply_too_large(element, "triangles", limits_.max_triangles, "max-triangles");
+      add_fan(corners, static_cast<Index>(row), document_->triangles_, document_->face_of_triangle_);
       return {};
     });
     document_->face_triangles_ = document_->triangles_.size();
@@ -242,19 +200,6 @@ class PlyReader {
     return fits ? Result<>{} : bad_row(source, element, row, count);
   }
 
-  void add_fan(std::span<const Index> corners, Index face) {
-    std::vector<Triangle>& triangles = document_->triangles_;
-    std::vector<Index>& faces = document_->face_of_triangle_;
-    if (faces.empty() && corners.size() > 3) {
-      faces.resize(triangles.size());
-      for (Index t = 0; t < faces.size(); ++t) faces[t] = t;
-    }
-    for (std::size_t c = 2; c < corners.size(); ++c) {
-      triangles.push_back({corners[0], corners[c - 1], corners[c]});
-      if (!faces.empty() || corners.size() > 3) faces.push_back(face);
-    }
-  }
-
   template <class Source>
   Result<> read_strips(Source& source, const PlyElement& element) {
     const PlyProperty* const indices = ply_vertex_indices(element);
@@ -270,7 +215,7 @@ class PlyReader {
         const Triangle t{corners[turned ? c - 1 : c - 2], corners[turned ? c - 2 : c - 1], corners[c]};
         if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) strips_.push_back(t);
         if (document_->triangles_.size() + strips_.size() > limits_.max_triangles)
-          return too_large(element, "triangles", limits_.max_triangles, "(max-triangles)");
+          return ply_too_large(element, "triangles", limits_.max_triangles, "max-triangles");
       }
       return {};
     });
@@ -285,16 +230,6 @@ class PlyReader {
     return source.problem(row_name(element, row));
   }
 
-  std::string declared(const PlyElement& element) const {
-    return " (line " + std::to_string(element.line) + ')';
-  }
-
-  Error too_large(const PlyElement& element, const std::string& what, std::uint64_t limit,
-                  const std::string& name) const {
-    return {Cause::TooLarge,
-            "the mesh has more than " + std::to_string(limit) + ' ' + what + ' ' + name + declared(element)};
-  }
-
   std::string_view bytes_;
   const Limits& limits_;
   const RunControl& run_;
@@ -303,14 +238,6 @@ class PlyReader {
   std::array<const PlyProperty*, 3> axes_{};
   std::vector<Triangle> strips_;
 };
-
-const PlyProperty* ply_vertex_indices(const PlyElement& element) {
-  for (const std::string_view name : {"vertex_indices", "vertex_index"}) {
-    const PlyProperty* const property = element.find(name);
-    if (property != nullptr && property->is_list()) return property;
-  }
-  return nullptr;
-}
 
 Result<std::unique_ptr<Document>> decode_ply(std::string_view bytes, const Limits& limits,
                                              const RunControl& run) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/io/colors.h"
 #include "core/io/ply_document.h"
 #include "core/io/ply_source.h"
 #include "core/io/seams.h"
@@ -160,13 +161,6 @@ bool floats_suffice(const MovedPositions& moved) {
   return std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) <= 4 * moved.frame.scale();
 }
 
-bool whole_bytes(std::span<const float> colors) {
-  return std::ranges::all_of(colors, [](float c) {
-    const float scaled = c * 255.0f;
-    return std::abs(scaled - std::round(scaled)) <= 1e-4f;
-  });
-}
-
 std::string header_of(const SeamPoints& made, const SharedAttributes& attributes, bool floats, bool bytes) {
   std::string header =
       "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(made.points.size()) + '\n';
@@ -194,7 +188,7 @@ Result<Encoded> encode_as_ply(const MovedPositions& moved, std::span<const Trian
                               const SharedAttributes& attributes, const RunControl& run) {
   const auto made = split_at_seams(moved.original.size(), triangles, attributes, run);
   if (!made) return made.error();
-  const bool floats = floats_suffice(moved), bytes = whole_bytes(attributes.colors);
+  const bool floats = floats_suffice(moved), bytes = are_whole_bytes(attributes.colors);
   Encoded encoded;
   encoded.bytes = header_of(*made, attributes, floats, bytes);
   constexpr std::size_t kMostVertexBytes = 3 * 8 + 3 * 4 + 2 * 4 + 3 * 4, kFaceBytes = 13;
@@ -202,39 +196,37 @@ Result<Encoded> encode_as_ply(const MovedPositions& moved, std::span<const Trian
                         made->triangles.size() * kFaceBytes);
   PlyWriter writer(encoded.bytes);
   const RunControl one = run.on_one_thread();
-  const bool done =
-      for_each(
-          made->points.size(), one,
-          [&](std::size_t p) {
-            const SeamPoint& point = made->points[p];
-            const Vec3d position = moved.at(point.vertex);
-            Vec3d off;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-              if (!floats) {
-                writer.put(position[axis]);
-                continue;
-              }
-              const float narrow = nearest_float(position[axis]);
-              off[axis] = std::abs(position[axis] - static_cast<double>(narrow));
-              writer.put(narrow);
-            }
-            encoded.quantisation_error = std::max(encoded.quantisation_error, length(off));
-            if (attributes.normals) put_row(writer, *attributes.normals, point.normal);
-            if (attributes.texture_coordinates)
-              put_row(writer, *attributes.texture_coordinates, point.texture);
-            for (std::size_t c = 0; c < 3 && !attributes.colors.empty(); ++c) {
-              const float color = attributes.colors[3 * std::size_t{point.vertex} + c];
-              if (bytes) {
-                writer.put(static_cast<std::uint8_t>(std::lround(std::clamp(color, 0.0f, 1.0f) * 255.0f)));
-              } else {
-                writer.put(color);
-              }
-            }
-          }) &&
-      for_each(made->triangles.size(), one, [&](std::size_t t) {
-        writer.put(std::uint8_t{3});
-        for (const Index corner : made->triangles[t]) writer.put(corner);
-      });
+  const bool done = for_each(made->points.size(), one,
+                             [&](std::size_t p) {
+                               const SeamPoint& point = made->points[p];
+                               const Vec3d position = moved.at(point.vertex);
+                               Vec3d off;
+                               for (std::size_t axis = 0; axis < 3; ++axis) {
+                                 if (!floats) {
+                                   writer.put(position[axis]);
+                                   continue;
+                                 }
+                                 const float narrow = nearest_float(position[axis]);
+                                 off[axis] = std::abs(position[axis] - static_cast<double>(narrow));
+                                 writer.put(narrow);
+                               }
+                               encoded.quantisation_error = std::max(encoded.quantisation_error, length(off));
+                               if (attributes.normals) put_row(writer, *attributes.normals, point.normal);
+                               if (attributes.texture_coordinates)
+                                 put_row(writer, *attributes.texture_coordinates, point.texture);
+                               for (std::size_t c = 0; c < 3 && !attributes.colors.empty(); ++c) {
+                                 const float color = attributes.colors[3 * std::size_t{point.vertex} + c];
+                                 if (bytes) {
+                                   writer.put(whole_byte(color));
+                                 } else {
+                                   writer.put(color);
+                                 }
+                               }
+                             }) &&
+                    for_each(made->triangles.size(), one, [&](std::size_t t) {
+                      writer.put(std::uint8_t{3});
+                      for (const Index corner : made->triangles[t]) writer.put(corner);
+                    });
   if (!done) return run.stop_error();
   encoded.vertices = static_cast<std::uint32_t>(made->points.size());
   return encoded;

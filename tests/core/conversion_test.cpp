@@ -100,6 +100,16 @@ TEST(Conversion, CarriesColoursToOffAndBack) {
   for (std::size_t i = 0; i < was->colors.size(); ++i) EXPECT_NEAR(is->colors[i], was->colors[i], 1e-6);
 }
 
+TEST(Conversion, KeepsColoursThatAreNoWholeBytes) {
+  const LoadedFile obj("v 0 0 0 0.1234 0 1\nv 1 0 0 255 128 0\nv 0 1 0 0 0 0\nf 1 2 3\n");
+  const LoadedFile ply(obj.written(Format::Ply)), off(obj.written(Format::Off));
+  EXPECT_THAT(ply.bytes, HasSubstr("property float red"));
+  EXPECT_THAT(off.bytes, HasSubstr(" 0.123400 0.000000 1.000000 1\n"));
+  const auto shared = ply.document->shared_attributes(ply.moved(), {});
+  EXPECT_EQ(shared->colors[0], 0.1234F);
+  EXPECT_EQ(shared->colors[3], 1.0F) << "what is more than full is full";
+}
+
 TEST(Conversion, SaysWhatAFormatCannotHold) {
   const LoadedFile obj(kSeamed), ply(rich_ply(PlyEncoding::BigEndian));
   EXPECT_EQ(dropped(obj.encoded({.format = Format::Stl})),
