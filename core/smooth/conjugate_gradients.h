@@ -1,6 +1,6 @@
 // Conjugate gradients for A x = b, A symmetric and positive definite, where every unknown is a vector: its
 // three coordinates share one Krylov space, so that each entry of A is read once and the result turns with
-// the mesh. Preconditioned by the diagonal.
+// the mesh. Preconditioned by the diagonal, or by what the caller brings.
 //
 // Vectors are single precision, because positions are; sums are double, in fixed order, so any number of
 // threads gives the same bits. Rounding adds about 3e-8 of |x| times the square root of the condition number.
@@ -56,7 +56,7 @@ struct ConjugateGradientsReport {
   bool converged = false;  ///< residual <= enough
 };
 
-/// The work arrays; solve() does not allocate.
+/// The work arrays; solve() allocates one more for a preconditioner, once.
 class ConjugateGradients {
  public:
   explicit ConjugateGradients(std::size_t rows)
@@ -64,8 +64,9 @@ class ConjugateGradients {
 
   /// Starts from x = 0 and overwrites `x`. apply(p, q, begin, end) writes those rows of q = A p, by several
   /// threads at once, and leaves out those that are no unknowns; apply.gather(p), where there is one, comes
-  /// before, once for all rows, and is false when stopped. Ends when the residual is at most `enough`,
-  /// after `most_iterations`, or when rounding leaves no direction. Unset when stopped.
+  /// before, once for all rows, and is false when stopped; apply.precondition(r, z), where there is one,
+  /// writes z = B r, B symmetric and positive definite and near the inverse of A. Ends when the residual is
+  /// at most `enough`, after `most_iterations`, or when rounding leaves no direction. Unset when stopped.
   template <class Apply>
   std::optional<ConjugateGradientsReport> solve(Apply&& apply, const SystemDiagonals& diagonals,
                                                 std::span<const SimdVec3> b, std::span<SimdVec3> x,
@@ -88,6 +89,30 @@ class ConjugateGradients {
       }
       return block;
     });
+
+    constexpr bool kPreconditioned = requires {
+      apply.precondition(std::span<const SimdVec3>(residual_), std::span(preconditioned_));
+    };
+    // Replaces r^T D^-1 r by r^T B r. False when stopped.
+    const auto precondition = [&] {
+      if constexpr (kPreconditioned) {
+        const std::span<SimdVec3> z = preconditioned_;
+        if (!sums || !apply.precondition(std::span<const SimdVec3>(residual_), z)) return false;
+        const auto energies = sums_.over(rows, run, [&](std::size_t begin, std::size_t end) {
+          double block = 0;
+          for (std::size_t v = begin; v < end; ++v) block += static_cast<double>(dot(r[v], z[v]));
+          return std::array{block, 0.0};
+        });
+        if (!energies) return false;
+        (*sums)[0] = (*energies)[0];
+      }
+      return true;
+    };
+    if constexpr (kPreconditioned) {
+      preconditioned_.resize(rows);
+      if (!precondition()) return std::nullopt;
+      std::ranges::copy(preconditioned_, p);
+    }
 
     ConjugateGradientsReport report;
     for (;; ++report.iterations) {
@@ -121,17 +146,23 @@ class ConjugateGradients {
         }
         return block;
       });
-      if (!sums) return std::nullopt;
+      if (!sums || !precondition()) return std::nullopt;
       const float share = static_cast<float>((*sums)[0] / energy);
       const bool turned = parallel_for(rows, run, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) p[v] = r[v] * inverse[v] + p[v] * share;
+        for (std::size_t v = begin; v < end; ++v) {
+          if constexpr (kPreconditioned) {
+            p[v] = preconditioned_[v] + p[v] * share;
+          } else {
+            p[v] = r[v] * inverse[v] + p[v] * share;
+          }
+        }
       });
       if (!turned) return std::nullopt;
     }
   }
 
  private:
-  std::vector<SimdVec3> residual_, direction_, product_;
+  std::vector<SimdVec3> residual_, direction_, product_, preconditioned_;
   BlockSums sums_;
 };
 

@@ -92,7 +92,7 @@ Method implicit_mean_curvature_flow_method() {
            number_parameter("largest_cotangent", kDefaults.largest_cotangent, 0.01, 1000, "1",
                             "Cotangents are clamped to [0, this]: without negative weights nothing "
                             "overshoots.")}),
-      .work_memory = {.per_vertex = 235, .per_triangle = 45},
+      .work_memory = {.per_vertex = 400, .per_triangle = 45},
       .nanoseconds = 110,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_implicit_mean_curvature_flow(surface,

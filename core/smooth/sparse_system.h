@@ -14,6 +14,7 @@
 
 #include "core/smooth/conjugate_gradients.h"
 #include "core/smooth/iteration.h"
+#include "core/smooth/multigrid.h"
 #include "core/smooth/sparse_cholesky.h"
 #include "core/smooth/valence_order.h"
 
@@ -84,6 +85,8 @@ class SparseSystem {
   void finish_row(std::size_t v, std::span<const float> weights, std::span<const SimdVec3> from);
   bool solve_assembled(double total_mass, double total_diagonal);
   bool prefers_cholesky(double diagonal_over_mass);
+  double expected_iterations(double diagonal_over_mass) const;
+  std::optional<ConjugateGradientsReport> solve_by_gradients(double diagonal_over_mass, double enough);
   bool may_factorise();
   bool solve_by_cholesky();
   void multiply(std::span<const SimdVec3> p, std::span<SimdVec3> q, std::size_t begin) const;
@@ -99,6 +102,7 @@ class SparseSystem {
   std::vector<SimdVec3> pull_, way_;
   BlockSums sums_;
   ConjugateGradients gradients_;
+  std::optional<Multigrid> multigrid_;
   std::optional<SparseCholesky> cholesky_;
   std::uint32_t gradients_used_ = 0, not_converged_ = 0;  ///< solves
 };

@@ -103,7 +103,7 @@ Method weighted_least_squares_method() {
                             "Smoothness against nearness, per iteration."),
            number_parameter("sigma", kDefaults.sigma, 0.01, 100, "1",
                             "Difference of unit normals across which little is smoothed.")}),
-      .work_memory = {.per_vertex = 270, .per_triangle = 65},
+      .work_memory = {.per_vertex = 400, .per_triangle = 65},
       .nanoseconds = 60,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         return smooth_weighted_least_squares(surface,

@@ -26,7 +26,8 @@ bool restart_peak() {
   return static_cast<bool>(file << "5" << std::flush);
 }
 
-/// The defaults, each choice of each parameter, and the largest radius where there is one.
+/// The defaults, each choice of each parameter, and the largest radius, time step or lambda where there is
+/// one.
 std::vector<ParameterValues> variants(const Method& method) {
   std::vector<ParameterValues> all{*resolve_parameters(method, {})};
   for (const ParameterSpec& spec : method.parameters) {
@@ -34,7 +35,7 @@ std::vector<ParameterValues> variants(const Method& method) {
       all.push_back(all.front());
       all.back().values[spec.name] = choice;
     }
-    if (spec.name != "radius") continue;
+    if (spec.name != "radius" && spec.name != "time_step" && spec.name != "lambda") continue;
     all.push_back(all.front());
     all.back().values[spec.name] = spec.maximum;
   }
