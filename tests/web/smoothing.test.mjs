@@ -71,6 +71,24 @@ test('a bad file gets the sentence with its place', async () => {
   fine(page);
 });
 
+test('what the server refuses it says itself, and the page goes on', async () => {
+  const small = await House.open({ flags: ['--max-triangles', '2000'] });
+  try {
+    const page = await small.visit();
+    const path = small.file('many.obj', obj(ball(40)));
+    await choose(page, path);
+    await page.click('#smooth');
+    await page.waitForSelector('#alert', { state: 'visible' });
+    const { detail } = await (await fetch(`${small.url}/v1/smooth`, { method: 'POST', body: readFileSync(path) })).json();
+    assert.equal((await page.textContent('#alert p')).toLowerCase(), `${detail}.`.toLowerCase());
+    await choose(page, small.file('few.obj', obj(ball(10))));
+    await smooth(page);
+    fine(page);
+  } finally {
+    await small.close();
+  }
+});
+
 test('cancel ends the job on the server', async () => {
   const page = await house.visit();
   await choose(page, house.file('large.obj', obj(ball(160))));

@@ -29,14 +29,14 @@ export class SceneView {
     for (const input of this.layouts()) input.onchange = () => this.setLayout(input.value as Layout);
     this.looks.onchange = () => this.setLook(this.looks.value as Look);
     byId<HTMLInputElement>('flat').onchange = (event) => this.viewer?.setFlat((event.target as HTMLInputElement).checked);
-    byId<HTMLInputElement>('wireframe').onchange = () => this.refreshWireframe();
+    byId<HTMLInputElement>('wireframe').onchange = () => void this.refreshWireframe();
     byId<HTMLButtonElement>('fit').onclick = () => this.viewer?.fit();
     byId<HTMLButtonElement>('up').onclick = () => this.turnUp();
     this.unit.onchange = () => { this.refreshLegend(); this.unitChanged(); };
   }
 
   get origin(): [number, number, number] | undefined { return this.before?.origin; }
-  get unitName(): string { return this.unit.value || (this.before?.format === 'glb' ? 'm' : ''); }
+  get unitName(): string { return this.unit.value; }
 
   async start(): Promise<Viewer> {
     if (this.viewer) return this.viewer;
@@ -65,10 +65,11 @@ export class SceneView {
     byId('tools').hidden = false;
     viewer.setMesh('before', buffers);
     viewer.setMesh('after', undefined);
-    if (format === 'glb' && !this.unit.value) this.unit.value = 'm';
+    this.unit.value = format === 'glb' ? 'm' : ''; // glTF alone has a unit
     this.setLayout('before');
     viewer.fit();
     this.resetLook();
+    void this.refreshWireframe();
   }
 
   /** A result beside the mesh; nothing: the mesh alone. */
@@ -79,7 +80,7 @@ export class SceneView {
     if (!buffers) this.setLayout('before');
     else if (first) this.setLayout('divider');
     this.resetLook();
-    this.refreshWireframe();
+    void this.refreshWireframe();
   }
 
   setReference(id?: number): void {

@@ -42,7 +42,8 @@ async function load(file: Blob, origin?: [number, number, number]): Promise<Mesh
   const format = detectFormat(bytes);
   const source = await decode(bytes, format);
   if (source.indices.length === 0) throw new Error('the file holds no triangle');
-  if (!source.positions.every(Number.isFinite)) throw new Error('a coordinate is not a finite number');
+  const odd = source.positions.findIndex((value) => !Number.isFinite(value));
+  if (odd >= 0) throw new Error(`coordinate ${'xyz'[odd % 3]} of vertex ${Math.floor(odd / 3)} is not a finite number`);
   const first = firstAtPlace(source.positions);
   const normals = vertexNormals(source, first);
   const box = boxOf(source.positions);
