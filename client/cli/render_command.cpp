@@ -25,6 +25,7 @@ struct RenderArguments {
   std::string size, background = "#ffffff", color = "#d6cfc2", reference, unit;
   std::vector<std::string> labels;
   std::optional<double> heat_most;
+  double heat_largest = 0;  // of all distances, once they are known
   render::View view;
   render::Sheet sheet;
   unsigned threads = 0;
@@ -87,12 +88,14 @@ Result<> take_heat(RenderArguments& arguments, Subjects& subjects, const Console
     all.insert(all.end(), subject->distances.begin(), subject->distances.end());
   }
   const double most = arguments.heat_most.value_or(end_of_heat(all));
+  arguments.heat_largest = *std::max_element(all.begin(), all.end());
   for (auto& subject : subjects) {
     for (const double distance : subject->distances)
       subject->heat.push_back(static_cast<float>(distance / most));
   }
   arguments.sheet.legend =
       render::Legend{.most = most,
+                     .open = arguments.heat_largest > most,
                      .title = "distance to the reference in " +
                               (arguments.unit.empty() ? "units of the file" : arguments.unit)};
   return {};
@@ -160,7 +163,8 @@ void print_json(std::ostream& out, const RenderArguments& arguments, const rende
                                  {"width", picture.width},
                                  {"height", picture.height},
                                  {"bytes", bytes}};
-  if (arguments.sheet.legend) json["heatMost"] = arguments.sheet.legend->most;
+  if (arguments.sheet.legend)
+    json.update({{"heatMost", arguments.sheet.legend->most}, {"heatLargest", arguments.heat_largest}});
   out << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
 

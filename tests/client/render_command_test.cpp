@@ -50,6 +50,25 @@ TEST_F(CommandLine, DrawsTheDistanceToAReference) {
   EXPECT_GT(heat_most({}), largest / 10);
   EXPECT_LT(heat_most({}), largest * 5);
   EXPECT_EQ(heat_most({"--heat-most", "0.125"}), 0.125);
+  const auto json = json_of(
+      burnish({"render", noisy, folder / "h.png", "--size", "160x160", "--reference", clean, "--json"}).out);
+  EXPECT_NEAR(json["heatLargest"].get<double>(), largest, 1e-9);
+  // The legend says that there is more where there is.
+  const auto drawn = [&](const std::string& most) {
+    EXPECT_EQ(burnish({"render", clean, folder / "o.png", "--size", "300x160", "--reference", noisy,
+                       "--heat-most", most})
+                  .code,
+              0);
+    return render::from_png(folder.read("o.png"));
+  };
+  const auto ink = [&](const render::Picture& picture) {
+    std::size_t count = 0;
+    for (unsigned y = 110; y < 160; ++y) {
+      for (unsigned x = 220; x < 300; ++x) count += picture.at(x, y)[0] < 200 ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_GT(ink(drawn("0.2")), ink(drawn("90")) + 30);
   // A mesh on its reference is pale all over, and the legend has the dark colours.
   ASSERT_EQ(
       burnish({"render", clean, folder / "c.png", "--size", "160x200", "--reference", clean, "--no-labels"})
