@@ -87,7 +87,7 @@ TEST(OptionsJson, NamesThePathOfWhatIsWrong) {
       {R"({"parameters":{"shine":1}})", unknown, "options.parameters.shine", "shine"},
       {R"({"method":"taubin","parameters":{"lambda":5}})", bad, "options.parameters.lambda", "lambda"},
       {R"({"output":3})", bad, "options.output", "object"},
-      {R"({"output":{"format":"stl"}})", bad, "options.output.format", "\"obj\""},
+      {R"({"output":{"format":"3mf"}})", bad, "options.output.format", "\"obj\""},
       {R"({"output":{"format":2}})", bad, "options.output.format", "\"drc\""},
       {R"({"output":{"draco":{"positionBits":31}}})", bad, "options.output.draco.position_bits", "31"},
       {R"({"output":{"draco":{"positionBits":4294967296}}})", bad, "options.output.draco.positionBits",
