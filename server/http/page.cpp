@@ -48,9 +48,8 @@ HttpHeaders headers_of(const PageFile& file) {
 Error nothing_at(std::span<const PageFile> files, const std::string& path) {
   if (!files.empty()) return {Cause::NotFound, "there is nothing at " + path};
   return {Cause::NotFound,
-          "this server was built without its page: run scripts/setup where there is an npm registry and "
-          "build again; "
-          "/openapi.json describes the calls"};
+          "this server was built without its page; /openapi.json describes the calls. For the page run "
+          "scripts/setup where there is an npm registry, and build again"};
 }
 
 }  // namespace

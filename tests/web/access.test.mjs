@@ -101,6 +101,42 @@ test('the first paint takes less than 300 KB, and three.js comes after it', asyn
   console.log(`first paint: ${size} bytes compressed in ${early.length} files; with three.js ${size + viewer.encodedBodySize}`);
 });
 
+test('the page stands still while it loads, and says what it is', async () => {
+  const page = await house.visit();
+  const { shifts, title, language, description, viewport } = await page.evaluate(async () => ({
+    shifts: await new Promise((done) => {
+      let sum = 0;
+      new PerformanceObserver((list) => { for (const entry of list.getEntries()) sum += entry.value; }).observe({ type: 'layout-shift', buffered: true });
+      setTimeout(() => done(sum), 100);
+    }),
+    title: document.title, language: document.documentElement.lang,
+    description: document.querySelector('meta[name=description]').content, viewport: document.querySelector('meta[name=viewport]').content,
+  }));
+  assert.ok(shifts < 0.1, `moves by ${shifts}`);
+  assert.deepEqual([title, language], ['Burnish', 'en']);
+  assert.ok(description.length > 20 && !/maximum-scale|user-scalable/.test(viewport));
+});
+
+test('files travel compressed, are kept by their names, and are asked for once', async () => {
+  const html = await fetch(house.url, { headers: { 'Accept-Encoding': 'gzip' } });
+  assert.equal(html.headers.get('content-encoding'), 'gzip');
+  const script = /src="(\/assets\/[^"]+\.js)"/.exec(await html.text())[1];
+  const asset = await fetch(house.url + script, { headers: { 'Accept-Encoding': 'identity' } });
+  assert.equal(asset.headers.get('content-encoding'), null);
+  assert.match(asset.headers.get('cache-control'), /immutable/);
+  assert.equal(Number(asset.headers.get('content-length')), (await asset.arrayBuffer()).byteLength);
+  const known = { 'If-None-Match': html.headers.get('etag') };
+  assert.equal((await fetch(house.url, { headers: known })).status, 304);
+  const head = await fetch(house.url, { method: 'HEAD', headers: { 'Accept-Encoding': 'gzip' } });
+  assert.equal(head.headers.get('etag'), html.headers.get('etag'));
+  assert.equal((await head.arrayBuffer()).byteLength, 0);
+  const page = await house.visit();
+  await page.reload();
+  await page.waitForSelector('#view canvas');
+  const again = await page.evaluate(() => performance.getEntriesByType('resource').filter(({ name, transferSize }) => name.includes('/assets/') && transferSize > 0).map(({ name }) => name));
+  assert.deepEqual(again, []);
+});
+
 test('a server with tokens shows the page and asks for one', async () => {
   const hash = createHash('sha256').update('open-sesame').digest('hex');
   const guarded = await House.open({ flags: ['--tokens', house.file('tokens.json', JSON.stringify({ tokens: [{ name: 'people', sha256: hash }] }))] });
