@@ -3,6 +3,7 @@
 #include <map>
 
 #include "core/io/draco.h"
+#include "core/io/glb.h"
 #include "core/io/obj.h"
 #include "core/io/off.h"
 #include "core/io/ply.h"
@@ -48,6 +49,11 @@ const Codec& codec_of(Format format) {
         .encode_as = [](const MovedPositions& moved, std::span<const Triangle> triangles,
                         const SharedAttributes& attributes, const OutputOptions&,
                         const RunControl& run) { return encode_as_off(moved, triangles, attributes, run); }}},
+      {Format::Glb,
+       {.decode = decode_glb,
+        .encode_as = [](const MovedPositions& moved, std::span<const Triangle> triangles,
+                        const SharedAttributes& attributes, const OutputOptions&,
+                        const RunControl& run) { return encode_as_glb(moved, triangles, attributes, run); }}},
   };
   static const Codec kNothing;
   const auto found = kCodecs.find(format);

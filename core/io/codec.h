@@ -78,14 +78,20 @@ class Document {
   std::span<const Vec3d> positions() const { return positions_; }     ///< file order, file unit
   std::span<const Triangle> triangles() const { return triangles_; }  ///< polygons as fans, file order
 
+  /// For each vertex the part of the file that it is in: equal positions are one vertex within a part only,
+  /// see prepare_surface(). Empty: the file is one part.
+  std::span<const Index> parts() const { return parts_; }
+
   virtual std::string vertex_place(Index vertex) const = 0;      ///< "vertex 12 (line 40)"
   virtual std::string triangle_place(Index triangle) const = 0;  ///< "triangle 812 (line 10321)"
 
   /// For pin_vertices(): vertices of an OBJ's faces in the group `name` (`g a b`: in both; faces before the
   /// first `g`, or after one without a name, are in "default"); points of a Draco mesh where a component of
   /// an attribute is not 0, which `name` names by its metadata entry "name" or else by its unique id;
-  /// vertices of a PLY whose property `name` is not 0. Ascending, each once. Errors: BadOption, listing what
-  /// there is or saying that the format has none; Cancelled, DeadlineExceeded.
+  /// vertices of a PLY whose property `name` is not 0. The groups of a GLB are
+  /// its meshes, by their names (or else numbers) or the names of nodes that place them. Ascending, each
+  /// once. Errors: BadOption, listing what there is or saying that the format has none; Cancelled,
+  /// DeadlineExceeded.
   virtual Result<std::vector<Index>> group_vertices(std::string_view name, const RunControl& run) const;
   virtual Result<std::vector<Index>> attribute_vertices(std::string_view name, const RunControl& run) const;
 
@@ -104,6 +110,7 @@ class Document {
   Format format_;
   std::vector<Vec3d> positions_;
   std::vector<Triangle> triangles_;
+  std::vector<Index> parts_;
 };
 
 /// Decodes and checks. `bytes` must stay alive and unchanged as long as the Document. `format` unset:

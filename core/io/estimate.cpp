@@ -4,6 +4,7 @@
 
 #include "core/io/declared.h"
 #include "core/io/draco_header.h"
+#include "core/io/glb_counts.h"
 
 namespace burnish {
 namespace {
@@ -25,6 +26,14 @@ constexpr double kOtherVertex = 70, kOtherTriangle = 180, kOtherRow = 80, kLeast
 // everything.
 constexpr double kLeastPerObjByte = 2.5, kObjBytesPerTriangle = 110;
 constexpr double kLeastPerDracoByte = 9, kDracoBytesPerTriangle = 25;
+
+// GLB, measured likewise with positions, normals and texture coordinates. Of its bytes the buffer is copied
+// once and the written file stands beside it; most of them may be pictures.
+constexpr double kGlbVertex = 130, kGlbTriangle = 250, kGlbByte = 2;
+constexpr double kLeastPerGlbByte = 2, kGlbBytesPerTriangle = 60;
+constexpr double kUnknownGlbByte =
+    12;  // of a file with many meshes: with positions and normals 14, with pictures less
+constexpr std::size_t kMostGlbJson = 1 << 20;
 
 // What is free again while a mesh is smoothed, per triangle. With it the peaks of 1.1 million triangles, 258
 // MB (laplacian) to 551 MB (guided), are taken for 1.01 to 1.3 times what they are.
@@ -130,6 +139,16 @@ bool tells_its_counts(Format format) {
   return format == Format::Ply || format == Format::Stl || format == Format::Off;
 }
 
+Estimate estimate_glb(std::string_view bytes) {
+  const auto counts = declared_glb_counts(bytes, kMostGlbJson);
+  const auto size = static_cast<double>(bytes.size());
+  if (!counts)
+    return make_estimate(size * kUnknownGlbByte, size / kGlbBytesPerTriangle / 2,
+                         size / kGlbBytesPerTriangle);
+  return make_estimate(counts->vertices * kGlbVertex + counts->triangles * kGlbTriangle + size * kGlbByte,
+                       counts->vertices, counts->triangles);
+}
+
 }  // namespace
 
 std::uint64_t Estimate::memory_with(std::uint64_t smoothing_bytes) const {
@@ -143,6 +162,7 @@ Estimate estimate(std::string_view bytes, std::optional<Format> format) {
   if (*format == Format::Obj) return estimate_obj(bytes);
   if (*format == Format::Draco) return estimate_draco(bytes);
   if (tells_its_counts(*format)) return estimate_declared(bytes, *format);
+  if (*format == Format::Glb) return estimate_glb(bytes);
   return estimate(bytes.size(), format);
 }
 
@@ -155,6 +175,10 @@ Estimate estimate(std::uint64_t bytes, std::optional<Format> format) {
   if (format && tells_its_counts(*format)) {
     const double triangles = size / kOtherBytesPerTriangle;
     return make_estimate(size * kLeastPerOtherByte, triangles / 2, triangles);
+  }
+  if (format == Format::Glb) {
+    const double triangles = size / kGlbBytesPerTriangle;
+    return make_estimate(size * kLeastPerGlbByte, triangles / 2, triangles);
   }
   const double triangles = size / kObjBytesPerTriangle;
   return make_estimate(size * kLeastPerObjByte, triangles / 2, triangles);

@@ -19,7 +19,8 @@ struct Estimate {
   std::uint64_t memory_with(std::uint64_t smoothing_bytes) const;
 };
 
-/// Reads 64 KiB at most: of an OBJ a sample of its lines, of other formats the declared counts. Well-formed
+/// Reads 64 KiB at most (of a GLB its JSON, if that takes 1 MiB at most): of an OBJ a sample of its lines, of
+/// other formats the declared counts. Well-formed
 /// files are hardly underestimated and at most taken for twice what they are; estimate.cpp says how that was
 /// measured. What a hostile file hides from it is bounded by Limits alone. Bytes that are no mesh give what
 /// their size would give. Thread-safe; never throws.

@@ -103,12 +103,18 @@ bool find_first_equals(std::size_t items, const RunControl& run, std::vector<Ind
 }
 
 /// Fills weld and the welded vertices' file indices.
-bool weld_positions(std::span<const Vec3d> positions, const RunControl& run, Surface& surface,
-                    std::vector<Index>& kept) {
+bool weld_positions(std::span<const Vec3d> positions, std::span<const Index> parts, const RunControl& run,
+                    Surface& surface, std::vector<Index>& kept) {
   std::vector<Index>& weld = surface.weld;  // the first equal vertex, then where that went
-  const bool found = find_first_equals(
-      positions.size(), run, weld, [&](std::size_t v) { return hash_position(positions[v]); },
-      [&](Index a, Index b) { return positions[a] == positions[b]; });
+  const auto equal = [&](Index a, Index b) { return positions[a] == positions[b]; };
+  const bool found = parts.empty()
+                         ? find_first_equals(
+                               positions.size(), run, weld,
+                               [&](std::size_t v) { return hash_position(positions[v]); }, equal)
+                         : find_first_equals(
+                               positions.size(), run, weld,
+                               [&](std::size_t v) { return mix(hash_position(positions[v]) + parts[v]); },
+                               [&](Index a, Index b) { return parts[a] == parts[b] && equal(a, b); });
   if (!found) return false;
   kept.reserve(positions.size());
   return for_each(positions.size(), run.on_one_thread(), [&](std::size_t v) {
@@ -207,10 +213,10 @@ Result<> connect(std::size_t vertices, const RunControl& run, Surface& surface) 
 }  // namespace
 
 Result<Surface> prepare_surface(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
-                                const RunControl& run) {
+                                const RunControl& run, std::span<const Index> parts) {
   Surface surface;
   std::vector<Index> kept;
-  if (!weld_positions(positions, run, surface, kept) || !keep_triangles(triangles, run, surface)) {
+  if (!weld_positions(positions, parts, run, surface, kept) || !keep_triangles(triangles, run, surface)) {
     return run.stop_error();
   }
   surface.mesh.frame = frame_around(positions);

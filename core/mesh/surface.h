@@ -33,9 +33,10 @@ inline constexpr double kLargestCoordinate = 1e60;
 using PlaceName = std::function<std::string(Index)>;
 
 /// Welds, drops, centres and builds the topology. The positions must be finite and at most
-/// kLargestCoordinate, the triangles in range: check_mesh() says so. Errors: Cancelled, DeadlineExceeded.
+/// kLargestCoordinate, the triangles in range: check_mesh() says so. Equal positions are one vertex where
+/// their `parts` are equal too; empty: all are. Errors: Cancelled, DeadlineExceeded.
 Result<Surface> prepare_surface(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
-                                const RunControl& run);
+                                const RunControl& run, std::span<const Index> parts = {});
 
 /// Everything that foreign arrays must satisfy before anything else touches them. `vertex_place` and
 /// `triangle_place` name the culprit. Errors: EmptyMesh, IndexOutOfRange, NonFinitePosition.

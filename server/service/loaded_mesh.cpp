@@ -42,7 +42,8 @@ Result<LoadedMesh> load_mesh(std::string_view bytes, std::optional<Format> forma
   timings.set_decode_ms(timings.decode_ms() + watch.lap());
   if (!document) return in(what, document.error());
   mesh.document = std::move(*document);
-  auto surface = prepare_surface(mesh.document->positions(), mesh.document->triangles(), run);
+  const Document& file = *mesh.document;
+  auto surface = prepare_surface(file.positions(), file.triangles(), run, file.parts());
   timings.set_prepare_ms(timings.prepare_ms() + watch.lap());
   if (!surface) return in(what, surface.error());
   mesh.surface = std::move(*surface);

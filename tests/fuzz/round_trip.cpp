@@ -68,14 +68,15 @@ void round_trip(std::string_view bytes, Format format) {
   if (estimate(bytes, format).memory_bytes == 0 && !bytes.empty()) fail("estimate", "0 bytes");
   const auto document = decode(bytes, format, kLimits, kRun);
   if (!document) return;
-  auto surface = prepare_surface((*document)->positions(), (*document)->triangles(), kRun);
+  const Document& file = **document;
+  auto surface = prepare_surface(file.positions(), file.triangles(), kRun, file.parts());
   if (!surface) fail("prepare", surface.error().message);
   const std::vector<Vec3f> before = surface->mesh.positions;
   pin(**document, *surface);
   smooth(*surface, method_for(bytes));
   const MovedPositions moved{(*document)->positions(), surface->weld, before, surface->mesh.positions,
                              surface->mesh.frame};
-  for (const Format target : {Format::Obj, Format::Draco, Format::Ply, Format::Stl, Format::Off})
+  for (const Format target : {Format::Obj, Format::Draco, Format::Ply, Format::Stl, Format::Off, Format::Glb})
     write_and_read(**document, moved, target);
 }
 
