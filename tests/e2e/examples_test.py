@@ -41,6 +41,12 @@ class Package(Installed):
         configuration = self.prefix / "etc/burnish/burnishd.json"
         self.assert_done(run(self.prefix / "bin/burnishd", "--config", configuration, "--print-config"))
 
+    def test_the_manual_and_the_completion_come_along(self):
+        self.assertIn(".TH", (self.prefix / "share/man/man1/burnish.1").read_text())
+        completion = self.prefix / "share/bash-completion/completions/burnish"
+        found = self.assert_done(run("bash", "-c", f"source {completion} && complete -p burnish"))
+        self.assertIn("burnish", found)
+
     def test_versions_are_told_and_asked_for(self):
         version = re.search(r"[\d.]+", self.assert_done(run(self.prefix / "bin/burnish", "--version")))[0]
         self.assertEqual(self.assert_done(run("pkg-config", "--modversion", "burnish", **self.libraries)).strip(), version)
