@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 import unittest
 
-from engine import BURNISH, ENVIRONMENT, PATIENCE_SECONDS, ROOT, Burnishd, new_secrets, sample, tell
+from engine import BURNISH, ENVIRONMENT, PATIENCE_SECONDS, ROOT, STUBS, Burnishd, new_secrets, sample, tell
 
 import draco3d
 import grpc
@@ -79,6 +79,7 @@ class Clients(unittest.TestCase):
             self.assertEqual(check(name, timeout=PATIENCE_SECONDS), b"\x08\x01")
 
     def test_curl(self):
+        ways = []
         packed = self.folder / "noisy.obj.gz"
         packed.write_bytes(gzip.compress(self.mesh))
         plain = ["--data-binary", f"@{self.mesh_file}"]
@@ -93,6 +94,22 @@ class Clients(unittest.TestCase):
                 self.run_client("curl", "-sS", "--fail", "--http1.1", "-H", f"Authorization: Bearer {self.keys.token}", "-o", out,
                                 *flags, f"{self.http}/v1/smooth{query}")
                 self.assertEqual(out.read_bytes(), self.expected)
+                ways.append(name)
+        tell("curl", ways=f"{len(ways)} ({', '.join(ways)})")
+
+    def test_examples_of_a_scanning_app(self):
+        """Python and JavaScript here; the C++ one runs in package_test."""
+        environment = {"BURNISH_TOKEN": self.keys.token, "PYTHONPATH": STUBS}
+        expected = self.folder / "auto.obj"
+        subprocess.run([BURNISH, "smooth", str(self.mesh_file), str(expected)], check=True, capture_output=True)
+        for program, example, address in [("/usr/bin/python3", "python/smooth_scan.py", self.grpc),
+                                          ("/usr/bin/python3", "python/submit_scan.py", self.http),
+                                          ("node", "javascript/smooth_scan.mjs", self.http)]:
+            with self.subTest(example):
+                out = self.folder / "example.obj"
+                said = self.run_client(program, ROOT / "client/examples" / example, address, self.mesh_file, out, **environment)
+                self.assertEqual(out.read_bytes(), expected.read_bytes())
+                tell(example, says=said.strip())
 
     def test_draco3d(self):
         positions, faces = draco3d.read_obj(self.folder / "out.obj")

@@ -17,10 +17,12 @@ import time
 ROOT = pathlib.Path(__file__).parents[2]
 ENGINE = os.environ.get("ENGINE", "docker")
 BURNISH = str(ROOT / "build/release/bin/burnish")
-sys.path.insert(0, str(ROOT / "build/release/tests/e2e/stubs"))
+STUBS = str(ROOT / "build/release/tests/e2e/stubs")
+sys.path.insert(0, STUBS)
 sys.path.append(str(ROOT / "tests/e2e"))
 ENVIRONMENT = {**os.environ, "no_proxy": "127.0.0.1,localhost", "NO_PROXY": "127.0.0.1,localhost"}
 PATIENCE_SECONDS = 60
+HAS_PAGE = (ROOT / "client/web/node_modules/installed.json").exists()  # there is a registry of npm
 COMPOSE = ["docker-compose"] if ENGINE == "podman" else [ENGINE, "compose"]  # over podman's socket
 HTTP, GRPC, PROMETHEUS = 8080, 50051, 9090  # of the compose files
 

@@ -1,6 +1,7 @@
 """The image: what is in it, what it may do, and what it bears."""
 
 import contextlib
+import datetime
 import hashlib
 import json
 import pathlib
@@ -72,6 +73,8 @@ class Image(ImageTest):
 class Faults(ImageTest):
     """One server and what may happen to it."""
 
+    OPTIONS = "method=taubin&iterations=10"
+
     def test_kill_9_loses_no_job(self):
         with Burnishd(self.keys) as server:
             jobs = [self.submit(server, f"method=taubin&iterations={n}") for n in range(1, 21)]
@@ -135,6 +138,46 @@ class Faults(ImageTest):
                 tell("network cut in an upload", bytes=len(self.mesh), kept=offset, again_after=f"{time.monotonic() - began:.1f} s")
         finally:
             engine("network", "rm", "-f", network, check=False)
+
+    def test_a_jump_of_the_clock_loses_no_job(self):
+        # Only this server's clock: libfaketime reads how far it is off. Monotonic time goes on as it does in a real jump.
+        library = next(pathlib.Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1"))
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder).chmod(0o755)
+            off = pathlib.Path(folder, "off")
+            off.write_text("+0")
+            server = Burnishd(self.keys, environment={
+                "LD_PRELOAD": "/faketime.so", "FAKETIME_TIMESTAMP_FILE": "/clock/off", "FAKETIME_NO_CACHE": "1",
+                "FAKETIME_DONT_FAKE_MONOTONIC": "1", "DONT_FAKE_MONOTONIC": "1"})
+            server.store += ["-v", f"{library}:/faketime.so:ro", "-v", f"{folder}:/clock:ro"]
+            with server:
+                expected = hashlib.sha256(server.call("POST", f"/v1/smooth?{self.OPTIONS}", self.mesh)[2]).hexdigest()
+                for jump, hours in {"+1h": 1, "-1h": -1, "+0": 0}.items():
+                    place = server.call("POST", "/v1/uploads", self.mesh[:9999], {"Upload-Complete": "?0"})[1]["location"]
+                    jobs = [self.submit(server, f"method=adaptive&iterations={400 + n}&max_displacement={1 + n + hours}")
+                            for n in range(4)]
+                    off.write_text(jump)
+                    seconds = self.clock(server) - time.time()
+                    self.assertLess(abs(seconds - 3600 * hours), 60, "the server's clock has jumped")
+                    states = [self.ended(server, job)["state"] for job in jobs]
+                    self.assertEqual(states, ["JOB_STATE_SUCCEEDED"] * len(jobs), jump)
+                    status, _, body = server.call("PATCH", place, self.mesh[9999:], {
+                        "Upload-Offset": "9999", "Upload-Complete": "?1", "Content-Type": "application/partial-upload"})
+                    self.assertEqual(status, 200, body)
+                    status, _, mesh = server.call("POST", f"/v1/smooth?{self.OPTIONS}", self.mesh)
+                    self.assertEqual((status, hashlib.sha256(mesh).hexdigest()), (200, expected))
+                old = self.ended(server, self.submit(server))["id"]
+                off.write_text("+3d")  # beyond --keep-seconds
+                eventually(lambda: server.call("GET", f"/v1/jobs/{old}")[0] == 410, "what is out of time expires")
+                self.assertTrue(server.ready())
+                self.assertEqual(self.ended(server, self.submit(server, "method=taubin&iterations=7"))["state"],
+                                 "JOB_STATE_SUCCEEDED")
+        tell("clock jump", hours="+1 -2 +1 +72", jobs=14, failed=0)
+
+    def clock(self, server):
+        """What the server takes for now, in Unix time."""
+        created = json.loads(server.call("POST", "/v1/uploads", headers={"Upload-Complete": "?0"})[2])["createTime"]
+        return datetime.datetime.fromisoformat(created.replace("Z", "+00:00")).timestamp()
 
     def test_a_full_volume_is_answered_and_survived(self):
         volume = ["--tmpfs", "/var/lib/burnish:size=4m,mode=1777"]

@@ -10,8 +10,8 @@ import threading
 import time
 import unittest
 
-from engine import (BURNISH, ENGINE, ENVIRONMENT, GRPC, HTTP, PROMETHEUS, Compose, call, engine, eventually, prometheus_targets,
-                    sample, tell)
+from engine import (BURNISH, ENGINE, ENVIRONMENT, GRPC, HAS_PAGE, HTTP, PROMETHEUS, ROOT, Compose, call, engine, eventually,
+                    prometheus_targets, sample, tell)
 
 REPLICAS = ["burnish-1", "burnish-2", "burnish-3"]
 ENDED = ("JOB_STATE_SUCCEEDED", "JOB_STATE_FAILED", "JOB_STATE_CANCELLED")
@@ -92,6 +92,26 @@ class Replicas(unittest.TestCase):
         job = self.submit(replica, options=f"mesh_sha256={sha256}&method=taubin&iterations=10", body=b"")
         self.assert_succeeded([job], self.quiet_result())
 
+    @unittest.skipUnless(HAS_PAGE, "scripts/setup found no npm registry")
+    def test_a_page_stays_with_the_replica_that_has_its_uploads(self):
+        status, headers, _ = self.ask(None, "GET", "/")
+        self.assertEqual(status, 200)
+        cookie = {"Cookie": headers["set-cookie"].partition(";")[0]}
+        jobs = []
+        for n in range(6):
+            status, _, body = self.ask(None, "POST", "/v1/uploads", b"# %d\n" % n + self.mesh, cookie)
+            self.assertEqual(status, 201, body)
+            status, _, body = self.ask(None, "POST", f"/v1/jobs?mesh_sha256={json.loads(body)['sha256']}", headers=cookie)
+            self.assertEqual(status, 202, body)
+            jobs.append(json.loads(body)["id"])
+        self.assertEqual({identity.rpartition("-")[0] for identity in jobs}, {cookie["Cookie"].partition("=")[2]})
+
+    def test_the_balancer_of_kubernetes_has_a_sound_configuration(self):
+        done = engine("run", "--rm", "--tmpfs", "/tmp", "-v", f"{ROOT}/docker/kubernetes/base/nginx.conf:/nginx.conf:ro", "--entrypoint",
+                      "sh", "burnish-nginx", "-ec", "sed 's/NAMESERVER/127.0.0.1/; s/NAMESPACE/default/' /nginx.conf >/tmp/nginx.conf;"
+                      " nginx -e stderr -t -c /tmp/nginx.conf")
+        self.assertIn("test is successful", done.stderr)
+
     def under_load(self, disturb, seconds):
         """Calls over gRPC with the C++ client's retries and over HTTP, and jobs, while `disturb` runs."""
         load = subprocess.Popen([BURNISH, "bench", "--server", f"127.0.0.1:{GRPC}", "--mesh", str(self.mesh_file), "--method",
@@ -134,12 +154,13 @@ class Replicas(unittest.TestCase):
             for replica in REPLICAS:
                 began = time.monotonic()
                 engine("restart", "-t", 40, self.compose.container(replica))
+                restarted = time.monotonic()
                 self.back(replica)
-                took.append(round(time.monotonic() - began, 1))
+                took.append(f"{restarted - began:.1f} + {time.monotonic() - restarted:.1f}")
                 time.sleep(1.2)  # for a second nginx takes one that did not answer for dead
 
         calls, jobs, refused, answers = self.under_load(restart, 12)
-        tell("rolling restart", seconds=took, grpc_calls=calls["outcomes"], http_answers=len(answers),
+        tell("rolling restart", seconds_to_restart_and_until_ready=took, grpc_calls=calls["outcomes"], http_answers=len(answers),
              other_than_200=[status for status, _ in answers if status != 200], jobs=len(jobs), refused_jobs=refused)
         self.assertEqual(list(calls["outcomes"]), ["ok"])
         self.assertEqual(set(answers), {(200, expected)})
