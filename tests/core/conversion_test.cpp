@@ -8,7 +8,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr Format kFormats[] = {Format::Obj, Format::Draco, Format::Ply, Format::Stl, Format::Off};
+constexpr Format kFormats[] = {Format::Obj, Format::Draco, Format::Ply,
+                               Format::Stl, Format::Off,   Format::Glb};
 
 /// A strip with normals, colours, and texture coordinates with a seam at its middle edge.
 constexpr const char* kSeamed =

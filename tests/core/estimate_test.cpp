@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/core/draco_fixture.h"
+#include "tests/support/glb.h"
 #include "tests/support/shapes.h"
 
 namespace burnish::testing {
@@ -106,6 +107,33 @@ TEST(Estimate, CountsDeclaredTrianglesWithoutDecodingThem) {
     EXPECT_GT(said.memory_bytes, std::uint64_t{100} << 30);
     EXPECT_LT(said.memory_bytes, std::uint64_t{1} << 40);
   }
+}
+
+TEST(Estimate, CountsWhatTheJsonOfAGlbDeclares) {
+  for (const Shape& shape : {sphere(2), grid(90), sphere(5)}) {
+    TestGlb glb;
+    glb.mesh(shape);
+    const std::string bytes = glb.bytes();
+    expect_about(shape, bytes, "GLB");
+    EXPECT_LE(estimate(bytes.size(), Format::Glb).memory_bytes,
+              estimate(std::string_view(bytes), std::nullopt).memory_bytes);
+    // A picture takes its own bytes and no more.
+    glb.view(std::string(1 << 20, 'p'));
+    const std::uint64_t more = estimate(std::string_view(glb.bytes()), std::nullopt).memory_bytes -
+                               estimate(std::string_view(bytes), std::nullopt).memory_bytes;
+    EXPECT_GE(more, std::uint64_t{2} << 20);
+    EXPECT_LE(more, std::uint64_t{3} << 20);
+    for (std::size_t size = 12; size < 1200; ++size) {
+      EXPECT_GT(estimate(std::string_view(bytes).substr(0, size), std::nullopt).memory_bytes, 0U);
+    }
+  }
+}
+
+TEST(Estimate, BelievesWhatAGlbDeclaresForAdmission) {
+  TestGlb glb;
+  glb.mesh(sphere(0));
+  glb.json["accessors"][2]["count"] = 3'000'000'000;
+  EXPECT_EQ(estimate(std::string_view(glb.bytes()), std::nullopt).triangles, 1'000'000'000U);
 }
 
 TEST(Estimate, LooksPastMetadata) {

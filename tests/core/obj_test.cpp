@@ -318,7 +318,7 @@ TEST(Obj, BecomesDracoAndComesBackWithColoursNormalsAndTextures) {
 TEST(DetectFormat, TellsByContent) {
   EXPECT_EQ(detect_format("DRACO\2\2"), Format::Draco);
   EXPECT_EQ(detect_format("v 0 0 0"), Format::Obj);
-  EXPECT_EQ(detect_format(std::string_view("glTF\2\0\0\0", 8)), std::nullopt);
+  EXPECT_EQ(detect_format(std::string_view("GIF8\2\0\0\0", 8)), std::nullopt);
   EXPECT_EQ(decode(std::string_view("\1\2\3"), std::nullopt, {}, {}).error().cause, Cause::UnsupportedFormat);
 }
 

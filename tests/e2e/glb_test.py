@@ -110,15 +110,17 @@ class Glb(MeshTest):
         vertices = sum(line.startswith("v ") for line in self.noisy.read_text().splitlines())
         self.assertEqual(tree["accessors"][tree["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]["count"], vertices)
 
-    def test_a_bad_file_is_named_by_its_place(self):
+    def test_counts_without_data_are_refused_by_their_place_or_at_the_door(self):
         text, binary = split(self.glb.read_bytes())
         tree = json.loads(text)
-        tree["accessors"][tree["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]["count"] = 10**9
         bad = self.folder / "bad.glb"
-        bad.write_bytes(joined(json.dumps(tree).encode(), binary))
-        answer = self.server.post(bad)
-        self.assertEqual((answer.status, answer.problem["code"]), (422, "malformed_mesh"))
-        self.assertIn("has 1000000000 rows", answer.problem["detail"])
+        for count, status, code, says in ((100_000, 422, "malformed_mesh", "has 100000 rows, which end at byte 1200000"),
+                                          (10**9, 413, "too_large", "")):
+            tree["accessors"][tree["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]["count"] = count
+            bad.write_bytes(joined(json.dumps(tree).encode(), binary))
+            answer = self.server.post(bad)
+            self.assertEqual((answer.status, answer.problem["code"]), (status, code))
+            self.assertIn(says, answer.problem["detail"])
 
     @needs_npm
     def test_what_was_valid_stays_valid(self):
