@@ -8,6 +8,7 @@
 #include "core/run/math.h"
 #include "core/run/parallel.h"
 #include "core/smooth/adaptive_kernels.h"
+#include "core/smooth/adaptive_tiles.h"
 #include "core/smooth/parameters.h"
 #include "core/smooth/umbrella.h"
 #include "core/smooth/valence_order.h"
@@ -15,11 +16,16 @@
 namespace burnish {
 namespace {
 
-using adaptive_kernels::kTrianglesAtOnce;
 using adaptive_kernels::kVanishing;
 using adaptive_kernels::Row;
 
-/// The paper's choices run in the kernels, all others here, one triangle or vertex at a time.
+/// Planes of triangles with their area normals (n, |n|), n the normal times twice the area.
+struct Planes {
+  std::span<const Row> planes, area_normals;
+};
+
+/// Eq. 1 as printed runs in the kernels, tile by tile; any other choice of it first fills arrays of all
+/// triangles, one at a time.
 class Adaptive {
  public:
   Adaptive(const Surface& surface, const AdaptiveParams& params, std::span<const std::uint8_t> movable,
@@ -28,69 +34,79 @@ class Adaptive {
         topology_(surface.topology),
         params_(params),
         run_(run),
-        order_(surface.topology, movable, ValenceOrder::With::NeighboursAndFaces, run),
-        faces_((surface.mesh.triangles.size() + kTrianglesAtOnce - 1) / kTrianglesAtOnce * kTrianglesAtOnce),
-        corners_(3 * faces_),
-        area_normals_(surface.topology.opposed_neighbours.empty() ? faces_ + 1 : turned(faces_)),
-        planes_(faces_) {
+        order_(surface.topology, movable, ValenceOrder::With::Neighbours, run) {
     const double scale = params.scale > 0 ? params.scale / surface.mesh.frame.scale() : surface.mean_edge;
     per_squared_scale_ = scale > 0 ? 1 / (scale * scale) : 0;
-    if (as_printed_) across_.resize(corners_.size());
-    for_each(faces_, run_, [&](std::size_t f) { fill(f); });
-    area_normals_[faces_] = Row{};
+    const bool as_printed = params_.normals == AdaptiveParams::Normals::Raw &&
+                            params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges;
+    if (as_printed) {
+      tiles_.emplace(surface.mesh.triangles, surface.topology, order_, run);
+      return;
+    }
+    planes_.resize(surface.mesh.triangles.size());
+    area_normals_.resize(planes_.size());
     if (params.neighbourhood == AdaptiveParams::Neighbourhood::Vertices) around_.emplace(surface, run);
   }
 
   bool prepare(std::span<const SimdVec3> from) {
-    const bool measured = parallel_for(faces_, run_, [&](std::size_t begin, std::size_t end) {
-      kernels_.measure(corners_, from, begin, end, area_normals_, planes_);
-      if (area_normals_.size() == faces_ + 1) return;
-      for (std::size_t f = begin; f < end; ++f)
-        area_normals_[turned(f)] = area_normals_[f] * Row{-1, -1, -1, 1};
-    });
-    if (!measured) return false;
-    if (!as_printed_) {
-      return for_each(surface_.mesh.triangles.size(), run_,
-                      [&](std::size_t f) { planes_[f] = plane(from, f); });
-    }
-    return parallel_for(faces_, run_, [&](std::size_t begin, std::size_t end) {
-      kernels_.expect(across_, area_normals_, begin, end, planes_);
-    });
+    if (tiles_) return true;
+    return for_each(planes_.size(), run_, [&](std::size_t f) { area_normals_[f] = area_normal(from, f); }) &&
+           for_each(planes_.size(), run_, [&](std::size_t f) { planes_[f] = plane(from, f); });
   }
 
   void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
-    const bool plain = params_.offsets == AdaptiveParams::Offsets::Uniform &&
-                       params_.umbrella == AdaptiveParams::Umbrella::Uniform &&
-                       params_.coefficient == AdaptiveParams::Coefficient::Exponential;
+    if (tiles_) return move_tile(from, to, begin);
     order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
-      if (plain && group.valence != ValenceOrder::kOther) {
-        kernels_.move(group, planes_, static_cast<float>(per_squared_scale_), from, to);
-        return;
-      }
       for (const Index v : group.vertices) {
-        const float d = static_cast<float>(coefficient(from, v));
-        to[v] = from[v] + offset(from[v], v) * d;  // Eq. 8
+        to[v] = moved(from, v, topology_.vertex_faces[v], 1, {planes_, area_normals_});
       }
     });
   }
 
  private:
-  /// Where the area normal of triangle f stands once more, turned round, for a neighbour that winds the other
-  /// way; after those of all triangles and a row of zeros, for sides without a neighbour.
-  std::size_t turned(std::size_t f) const { return faces_ + 1 + f; }
-
-  /// Corners and neighbours of triangle f; of none beyond the last.
-  void fill(std::size_t f) {
-    const bool none = f >= surface_.mesh.triangles.size();
-    for (std::size_t side = 0; side < 3; ++side) {
-      corners_[3 * f + side] = none ? 0 : doubled(surface_.mesh.triangles[f][side]);
-      if (!as_printed_) continue;
-      const Index neighbour = none ? kNone : topology_.face_neighbours[f][side];
-      const std::size_t row = neighbour == kNone           ? faces_
-                              : topology_.opposed(f, side) ? turned(neighbour)
-                                                           : neighbour;
-      across_[3 * f + side] = doubled(static_cast<Index>(row));
+  void move_tile(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
+    const AdaptiveTiles::Tile& tile = (*tiles_)[begin];
+    thread_local Buffer<Row> area_normals, planes;  // they stay for the next tile
+    const std::size_t rows = tile.any_turned ? tile.turned(tile.triangles()) : tile.none() + 1;
+    if (area_normals.size() < rows) area_normals.resize(rows);
+    if (planes.size() < tile.triangles()) planes.resize(tile.triangles());
+    kernels_.measure(tile.corners, from, 0, tile.triangles(), area_normals, planes);
+    area_normals[tile.none()] = Row{};
+    for (std::size_t f = 0; tile.any_turned && f < tile.triangles(); ++f) {
+      area_normals[tile.turned(f)] = area_normals[f] * Row{-1, -1, -1, 1};
     }
+    kernels_.expect(tile.across, area_normals, 0, tile.expected(), planes);
+
+    const bool plain = params_.offsets == AdaptiveParams::Offsets::Uniform &&
+                       params_.umbrella == AdaptiveParams::Umbrella::Uniform &&
+                       params_.coefficient == AdaptiveParams::Coefficient::Exponential;
+    std::span<const std::uint32_t> faces = tile.faces;
+    order_.for_each_group(begin, [&](ValenceOrder::Group group) {
+      if (plain && group.valence != ValenceOrder::kOther) {
+        group.faces = faces.first(group.neighbours.size());
+        faces = faces.subspan(group.faces.size());
+        kernels_.move(group, planes, static_cast<float>(per_squared_scale_), from, to);
+        return;
+      }
+      for (const Index v : group.vertices) {
+        const std::size_t count = topology_.vertex_faces[v].size();
+        to[v] = moved(from, v, faces.first(count), doubled(1), {planes, area_normals});
+        faces = faces.subspan(count);
+      }
+    });
+  }
+
+  /// Eq. 8, with the rows of planes of the triangles at v, times `unit`.
+  SimdVec3 moved(std::span<const SimdVec3> from, Index v, std::span<const std::uint32_t> faces,
+                 std::uint32_t unit, const Planes& planes) const {
+    return from[v] + offset(from[v], faces, unit, planes) * static_cast<float>(coefficient(from, v));
+  }
+
+  /// Normal times twice the area, and twice the area.
+  Row area_normal(std::span<const SimdVec3> from, std::size_t f) const {
+    const Triangle& t = surface_.mesh.triangles[f];
+    const SimdVec3 normal = cross(from[t[1]] - from[t[0]], from[t[2]] - from[t[0]]);
+    return Row{normal.x(), normal.y(), normal.z(), length(normal)};
   }
 
   /// m(R), Eq. 1: sum of A(S) n(S) over sum of A(S); n(R) where the neighbours cancel out or there are none.
@@ -134,12 +150,14 @@ class Adaptive {
   }
 
   /// V, Eq. 2: the mean of [PC . m(R)] m(R) over the triangles R at P.
-  SimdVec3 offset(SimdVec3 p, std::size_t v) const {
+  SimdVec3 offset(SimdVec3 p, std::span<const std::uint32_t> faces, std::uint32_t unit,
+                  const Planes& of) const {
     SimdVec3 sum;
     float weights = 0;
-    for (const Index f : topology_.vertex_faces[v]) {
-      const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? twice_area(f) : 1.0F;
-      const Row& row = planes_[f];
+    for (const std::uint32_t times_unit : faces) {
+      const std::uint32_t f = times_unit / unit;
+      const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? of.area_normals[f][3] : 1.0F;
+      const Row& row = of.planes[f];
       const SimdVec3 m(row[0], row[1], row[2]);
       sum += m * (weight * (row[3] - dot(p, m)));
       weights += weight;
@@ -174,14 +192,9 @@ class Adaptive {
   const RunControl& run_;
   const adaptive_kernels::Kernels& kernels_ = adaptive_kernels::kernels();
   ValenceOrder order_;
-  const bool as_printed_ = params_.normals == AdaptiveParams::Normals::Raw &&
-                           params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges;
-  std::optional<FacesAround> around_;  ///< when Eq. 1 averages over them
-  const std::size_t faces_;            ///< triangles, up to a multiple of kTrianglesAtOnce
-  Buffer<std::uint32_t> corners_;      ///< three per triangle
-  Buffer<std::uint32_t> across_;       ///< area_normals_ of the neighbours, when Eq. 1 is as printed
-  Buffer<Row> area_normals_;
-  Buffer<Row> planes_;
+  std::optional<AdaptiveTiles> tiles_;  ///< when Eq. 1 is as printed
+  std::optional<FacesAround> around_;   ///< when Eq. 1 averages over them
+  Buffer<Row> area_normals_, planes_;   ///< of every triangle, when it is not as printed
   double per_squared_scale_;
 };
 

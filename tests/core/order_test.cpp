@@ -11,6 +11,7 @@
 #include "core/mesh/order.h"
 #include "core/shape/noise.h"
 #include "core/smooth/adaptive_kernels.h"
+#include "core/smooth/adaptive_tiles.h"
 #include "core/smooth/registry.h"
 #include "core/smooth/valence_order.h"
 #include "tests/support/shapes.h"
@@ -147,6 +148,45 @@ bool same_bits(const Row& a, const Row& b) {
     if (std::bit_cast<std::uint32_t>(a[k]) != std::bit_cast<std::uint32_t>(b[k])) return false;
   }
   return true;
+}
+
+TEST(AdaptiveTiles, HoldTheTrianglesAtEachVertexAndThoseAcrossTheirSides) {
+  const Surface surface = surface_of(with_noise(grid(70), 0.1));  // three blocks, with a boundary
+  const auto& triangles = surface.mesh.triangles;
+  std::vector<std::uint8_t> movable(surface.mesh.positions.size(), 1);
+  const ValenceOrder order(surface.topology, movable);
+  for (const unsigned threads : {1U, 2U}) {
+    const AdaptiveTiles tiles(triangles, surface.topology, order, {.threads = threads});
+    for (std::size_t begin = 0; begin < movable.size(); begin += kBlockSize) {
+      const AdaptiveTiles::Tile& tile = tiles[begin];
+      EXPECT_EQ(tile.triangles() % kTrianglesAtOnce, 0);
+      EXPECT_EQ(tile.expected() % kTrianglesAtOnce, 0);
+      const auto corners_of = [&](std::uint32_t row) {
+        const auto* const c = &tile.corners[3 * row / 2];
+        return Triangle{c[0] / 2, c[1] / 2, c[2] / 2};
+      };
+      std::size_t at = 0;
+      order.for_each_group(begin, [&](const ValenceOrder::Group& group) {
+        for (const Index v : group.vertices) {
+          for (const Index f : surface.topology.vertex_faces[v]) {
+            const std::uint32_t row = tile.faces[at++];
+            ASSERT_LT(row / 2, tile.expected());
+            EXPECT_EQ(corners_of(row), triangles[f]);
+            for (std::size_t side = 0; side < 3; ++side) {
+              const Index across = surface.topology.face_neighbours[f][side];
+              const std::uint32_t other = tile.across[3 * row / 2 + side];
+              if (across == kNone) {
+                EXPECT_EQ(other / 2, tile.none());
+              } else {
+                EXPECT_EQ(corners_of(other), triangles[across]);
+              }
+            }
+          }
+        }
+      });
+      EXPECT_EQ(at, tile.faces.size());
+    }
+  }
 }
 
 TEST(AdaptiveKernels, GiveTheSameBitsWhateverTheWidthOfVectors) {
