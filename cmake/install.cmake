@@ -43,7 +43,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME burnish)
 set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "${PROJECT_DESCRIPTION}
- burnishd smooths OBJ and Draco meshes for callers of gRPC and HTTP, as a service of systemd;
+ burnishd smooths OBJ, Draco, PLY, STL, OFF and glTF meshes for callers of gRPC and HTTP, as a service of systemd;
  burnish does it on the command line.")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS init-system-helpers)

@@ -116,7 +116,8 @@ void add_pins(CLI::App* command, SmoothArguments& arguments) {
   const auto named = CLI::Validator(
       [](const std::string& name) { return name.empty() ? "needs a name" : std::string(); }, "NAME");
   command
-      ->add_option("--pin-group", arguments.pinned_group, "Vertices of this OBJ group's faces stay as well")
+      ->add_option("--pin-group", arguments.pinned_group,
+                   "Vertices of this group of an OBJ, or mesh or node of a GLB, stay as well")
       ->check(named);
   command
       ->add_option("--pin-attribute", arguments.pinned_attribute,

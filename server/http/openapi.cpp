@@ -58,7 +58,8 @@ Json smooth_parameters(const RequestLimits& limits) {
   }
   const Json name = {{"type", "string"}, {"minLength", 1}};
   list.push_back(
-      query_parameter("pinned_group", name, "Vertices of this OBJ group's faces stay where they are."));
+      query_parameter("pinned_group", name,
+                      "Vertices of this group of an OBJ, or mesh or node of a GLB, stay where they are."));
   list.push_back(query_parameter("pinned_attribute", name,
                                  "Points where this Draco attribute is not 0 stay where they are."));
   Json vertices =
