@@ -39,8 +39,8 @@ TEST_F(CommandLine, DrawsToStandardOutputFromStandardInput) {
 
 TEST_F(CommandLine, DrawsTheDistanceToAReference) {
   const auto heat_most = [&](std::vector<std::string> more) {
-    more.insert(more.begin(),
-                {"render", noisy, folder / "h.png", "--size", "160x160", "--reference", clean, "--json"});
+    more.insert(more.begin(), {"render", noisy, folder / "h.png", "--size", "160x160", "--occlusion", "0",
+                               "--samples", "2", "--reference", clean, "--json"});
     const Outcome done = burnish(more);
     EXPECT_EQ(done.code, 0) << done.err;
     return json_of(done.out)["heatMost"].get<double>();
@@ -50,13 +50,14 @@ TEST_F(CommandLine, DrawsTheDistanceToAReference) {
   EXPECT_GT(heat_most({}), largest / 10);
   EXPECT_LT(heat_most({}), largest * 5);
   EXPECT_EQ(heat_most({"--heat-most", "0.125"}), 0.125);
-  const auto json = json_of(
-      burnish({"render", noisy, folder / "h.png", "--size", "160x160", "--reference", clean, "--json"}).out);
+  const auto json = json_of(burnish({"render", noisy, folder / "h.png", "--size", "160x160", "--occlusion",
+                                     "0", "--samples", "2", "--reference", clean, "--json"})
+                                .out);
   EXPECT_NEAR(json["heatLargest"].get<double>(), largest, 1e-9);
   // The legend says that there is more where there is.
   const auto drawn = [&](const std::string& most) {
-    EXPECT_EQ(burnish({"render", clean, folder / "o.png", "--size", "300x160", "--reference", noisy,
-                       "--heat-most", most})
+    EXPECT_EQ(burnish({"render", clean, folder / "o.png", "--size", "300x160", "--occlusion", "0",
+                       "--samples", "2", "--reference", noisy, "--heat-most", most})
                   .code,
               0);
     return render::from_png(folder.read("o.png"));
@@ -70,10 +71,10 @@ TEST_F(CommandLine, DrawsTheDistanceToAReference) {
   };
   EXPECT_GT(ink(drawn("0.2")), ink(drawn("90")) + 30);
   // A mesh on its reference is pale all over, and the legend has the dark colours.
-  ASSERT_EQ(
-      burnish({"render", clean, folder / "c.png", "--size", "160x200", "--reference", clean, "--no-labels"})
-          .code,
-      0);
+  ASSERT_EQ(burnish({"render", clean, folder / "c.png", "--size", "160x200", "--occlusion", "0", "--samples",
+                     "2", "--reference", clean, "--no-labels"})
+                .code,
+            0);
   const render::Picture pale = render::from_png(folder.read("c.png"));
   for (unsigned y = 0; y < 130; ++y) {
     for (unsigned x = 0; x < 160; ++x) EXPECT_LT(pale.at(x, y)[0] - pale.at(x, y)[2], 25) << x << " " << y;
