@@ -55,13 +55,7 @@ const Codec& codec_of(Format format) {
                         const SharedAttributes& attributes, const OutputOptions&,
                         const RunControl& run) { return encode_as_glb(moved, triangles, attributes, run); }}},
   };
-  static const Codec kNothing;
-  const auto found = kCodecs.find(format);
-  return found == kCodecs.end() ? kNothing : found->second;
-}
-
-Error cannot(Cause cause, std::string_view what, Format format) {
-  return {cause, std::string(traits_of(format).title) + " cannot be " + std::string(what) + " yet"};
+  return kCodecs.at(format);
 }
 
 /// Takes out what the target has no place for, and remembers that.
@@ -100,9 +94,7 @@ Result<std::unique_ptr<Document>> decode(std::string_view bytes, std::optional<F
         Cause::UnsupportedFormat,
         "the mesh is in none of the formats that are known by their content: " + list_of_format_names()};
   }
-  const Codec& codec = codec_of(*format);
-  if (codec.decode == nullptr) return cannot(Cause::UnsupportedFormat, "read", *format);
-  return codec.decode(bytes, limits, run);
+  return codec_of(*format).decode(bytes, limits, run);
 }
 
 Result<Encoded> encode(const Document& document, const MovedPositions& moved, const OutputOptions& options,
@@ -116,10 +108,8 @@ Result<Encoded> encode(const Document& document, const MovedPositions& moved, co
 
 Result<Encoded> encode_as(Format format, const MovedPositions& moved, std::span<const Triangle> triangles,
                           SharedAttributes attributes, const OutputOptions& options, const RunControl& run) {
-  const Codec& codec = codec_of(format);
-  if (codec.encode_as == nullptr) return cannot(Cause::CannotEncode, "written", format);
   drop_what_cannot_be_held(attributes, traits_of(format));
-  auto encoded = codec.encode_as(moved, triangles, attributes, options, run);
+  auto encoded = codec_of(format).encode_as(moved, triangles, attributes, options, run);
   if (encoded && !attributes.dropped.empty()) {
     encoded->warnings.push_back({"attributes_dropped",
                                  "the other format cannot carry: " + joined(attributes.dropped),

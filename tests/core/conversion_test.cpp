@@ -66,7 +66,7 @@ TEST(Conversion, FromStlGivesAConnectedMesh) {
 
 TEST(Conversion, CarriesColoursNormalsAndTextureCoordinates) {
   const LoadedFile obj(kSeamed);
-  for (const Format by : {Format::Ply, Format::Draco}) {
+  for (const Format by : {Format::Ply, Format::Draco, Format::Glb}) {
     const Encoded there = obj.encoded({.format = by});
     EXPECT_EQ(dropped(there), "");
     EXPECT_EQ(there.vertices.value_or(8), 8U) << "two copies at the seam";

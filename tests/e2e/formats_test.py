@@ -1,4 +1,4 @@
-"""PLY, STL and OFF on every way: the same bytes, and nothing changed that smoothing does not own."""
+"""PLY, STL and OFF, and GLB made of them, on every way: the same bytes, and nothing changed that smoothing does not own."""
 
 import hashlib
 import json
@@ -10,7 +10,8 @@ from burnish.v1 import smoothing_pb2
 from programs import MeshTest, Server, eventually, smooth_request
 
 FORMATS = {"obj": ("model/obj", smoothing_pb2.MESH_FORMAT_OBJ), "ply": ("model/ply", smoothing_pb2.MESH_FORMAT_PLY),
-           "stl": ("model/stl", smoothing_pb2.MESH_FORMAT_STL), "off": ("model/off", smoothing_pb2.MESH_FORMAT_OFF)}
+           "stl": ("model/stl", smoothing_pb2.MESH_FORMAT_STL), "off": ("model/off", smoothing_pb2.MESH_FORMAT_OFF),
+           "glb": ("model/gltf-binary", smoothing_pb2.MESH_FORMAT_GLB)}
 METHOD = ["--method", "taubin", "--iterations", 3]
 
 
@@ -113,7 +114,7 @@ class Formats(MeshTest):
 
     def test_every_format_on_every_way_gives_the_same_bytes(self):
         for name, mesh in self.meshes.items():
-            for ending in {mesh.suffix[1:], "ply"}:
+            for ending in sorted({mesh.suffix[1:], "glb"}):
                 with self.subTest(mesh=name, to=ending):
                     results = self.everywhere(mesh, name, ending)
                     self.assertNotEqual(results["local"], mesh.read_bytes())

@@ -180,14 +180,21 @@ class OpenApi(MeshTest):
 
     def test_every_media_type_of_meshes_is_taken_and_given(self):
         operation = self.document.json["paths"]["/v1/smooth"]["post"]
-        files = {"model/obj": self.noisy, "model/vnd.draco": self.drc, "application/octet-stream": self.drc}
+        output = next(p for p in operation["parameters"] if p.get("name") == "output")
+        files = {"application/octet-stream": self.drc}
+        for ending in output["schema"]["enum"]:
+            answer = self.server.post(self.noisy, f"iterations=0&output={ending}")
+            self.assertEqual(answer.status, 200, answer.body[:500])
+            files[answer.headers["content-type"]] = self.folder / f"noisy.{ending}"
+            files[answer.headers["content-type"]].write_bytes(answer.body)
+        self.assertLessEqual(set(files), set(operation["requestBody"]["content"]))
         for sent in operation["requestBody"]["content"]:
             flags = (["-H", f"Content-Type: {sent}", "--data-binary", f"@{files[sent]}"] if sent in files else
                      self.form(mesh=self.noisy, reference=self.clean))
             self.expect("/v1/smooth", "post", 200, *flags)
         for wanted in operation["responses"]["200"]["content"]:
             answer = self.expect("/v1/smooth", "post", 200, "-H", f"Accept: {wanted}", "--data-binary",
-                                 f"@{self.drc if 'draco' in wanted else self.noisy}")
+                                 f"@{files.get(wanted, self.noisy)}")
             self.assertEqual(answer.headers["content-type"], wanted)
 
     def test_json_holds_the_same_mesh(self):
