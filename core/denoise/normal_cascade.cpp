@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/denoise/facets.h"
+#include "core/denoise/outliers.h"
 #include "core/denoise/surface_class.h"
 
 namespace burnish {
@@ -119,6 +121,42 @@ bool NormalCascade::give_back() {
            const float height = near_heights_[v] + (heights_[v] - near_heights_[v]) * by_more;
            if (movable(v)) now_[v] = next_[v] = now_[v] + normal_at(v) * height;
          });
+}
+
+bool NormalCascade::finish() {
+  if (options_.only_outliers) {
+    Buffer<float> moves(now_.size());
+    Buffer<std::uint8_t> outlier(now_.size());
+    const auto measure = [&](std::size_t v) { moves[v] = length(now_[v] - home(v)); };
+    if (!for_each(now_.size(), run_, measure)) return false;
+    if (find_outliers(surface_.topology, movable_, moves, outlier, run_)) return keep_exact(outlier);
+  }
+  return options_.facet_steps == 0 || (smooth_facets(faces_, movable_, options_.facet_steps, now_, next_) &&
+                                       faces_.copy_normals(predicted_));
+}
+
+/// Where no corner is off, the scan's own normals are the best; outliers move to fit those and the predicted
+/// ones of their own triangles.
+bool NormalCascade::keep_exact(std::span<const std::uint8_t> outlier) {
+  const auto is_outlier = [&](Index v) { return outlier[v] != 0; };
+  bool going = for_each(now_.size(), run_, [&](std::size_t v) {
+    if (outlier[v] == 0) now_[v] = home(v);
+    next_[v] = now_[v];
+  });
+  going = going && for_each(faces_.size(), run_, [&](std::size_t f) {
+            if (std::ranges::none_of(surface_.mesh.triangles[f], is_outlier)) {
+              predicted_[f] = faces_.measured(now_, f).normal;
+            }
+          });
+  faces_.swap_normals(predicted_);
+  for (std::uint32_t step = 0; going && step < options_.vertex_steps; ++step) {
+    going = faces_.measure_centroids(now_) && for_each(now_.size(), run_, [&](std::size_t v) {
+              if (outlier[v] != 0) next_[v] = now_[v] + faces_.offset_by_count(now_[v], v);
+            });
+    now_.swap(next_);
+  }
+  faces_.swap_normals(predicted_);
+  return going;
 }
 
 bool NormalCascade::stay_behind(float share) {

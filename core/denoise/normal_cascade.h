@@ -17,6 +17,8 @@ struct CascadeOptions {
   /// flat, as machined parts are. Between the two by the share of edges that do not bend. 0 and 0 give
   /// nothing back.
   std::uint32_t give_back = 3, give_back_flat = 30;
+  std::uint32_t facet_steps = 10;  ///< of finish(), see smooth_facets()
+  bool only_outliers = false;  ///< of finish(): vertices that do not stand out stay where the scan has them
 };
 
 class NormalCascade {
@@ -28,6 +30,9 @@ class NormalCascade {
 
   /// Where the next stage takes the vertices: see positions(). False when stopped.
   bool advance(std::span<const SimdVec3> from);
+  /// After the last stage: smooths facets, and leaves vertices at home that were never off. False when
+  /// stopped.
+  bool finish();
   /// On from there, by `share` of a step towards a surface that is smoother than learned. False when stopped.
   bool go_beyond(float share);
   /// Back by 1 - share of the way from the scan. False when stopped.
@@ -45,6 +50,7 @@ class NormalCascade {
   bool fit(Buffer<SimdVec3>& normals, std::uint32_t steps);
   bool unfold();
   bool give_back();
+  bool keep_exact(std::span<const std::uint8_t> outlier);
   bool average_heights(std::uint32_t rings);
   bool against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const;
 

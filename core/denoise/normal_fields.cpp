@@ -18,8 +18,8 @@ bool NormalFields::start(const FacePatch& patch, std::span<const SimdVec3> posit
     (buffers.clear(), ...);  // nothing to copy when they grow
     (buffers.resize(patch.size()), ...);
   };
-  resize(twice_areas_, centroids_, now_, next_, means_, evenness_, near_centroids_, far_centroids_, fields_,
-         regions_, next_regions_);
+  resize(twice_areas_, centroids_, now_, next_, means_, evenness_, local_areas_, near_centroids_,
+         far_centroids_, fields_, regions_, next_regions_);
   return for_each(patch.size(), run(), [&](std::size_t f) {
     const auto face = patch.mesh().measured(positions, patch.face(f));
     fields_[f][0] = face.normal;
@@ -132,7 +132,7 @@ bool NormalFields::mean_centroids() {
 }
 
 bool NormalFields::measure_differences(const FacePatch& patch, std::span<const SimdVec3> positions) {
-  return start(patch, positions) && widen() && narrow(0.6F, {{3, 7}, {8, 8}});
+  return start(patch, positions) && widen() && narrow(0.6F, {{3, 7}, {8, 8}}) && measure_local_areas();
 }
 
 bool NormalFields::measure(const FacePatch& patch, std::span<const SimdVec3> positions) {
@@ -140,29 +140,58 @@ bool NormalFields::measure(const FacePatch& patch, std::span<const SimdVec3> pos
          narrow(0.85F, {{8, 9}}) && choose_patches() && mean_centroids() && measure_regions();
 }
 
-NormalFields::Whole NormalFields::differences(std::size_t face) const {
+NormalFields::Differences NormalFields::differences(std::size_t face) const {
   const auto& n = fields_[face];
   return {difference(n[0], n[1]), difference(n[0], n[3]), difference(n[1], n[3]), difference(n[0], n[8])};
 }
 
-/// Differences averaged over a ring again and again: what the surface is like around a face.
-bool NormalFields::measure_regions() {
-  const bool measured = for_each(patch_->within(kRegionRings), run(), [&](std::size_t f) {
-    const auto& n = fields_[f];
-    regions_[f] = SimdVec3::Lanes{difference(n[0], n[3]), difference(n[3], n[8]), difference(n[6], n[11]),
-                                  difference(n[1], n[12])};
-  });
-  if (!measured) return false;
-  for (std::uint32_t ring = kRegionRings; ring-- > 0;) {
+/// Averaged over a ring again and again.
+template <class Value>
+bool NormalFields::average_over_rings(std::uint32_t rings, Buffer<Value>& values, Buffer<Value>& next) {
+  for (std::uint32_t ring = rings; ring-- > 0;) {
     const bool done = for_each(patch_->within(ring), run(), [&](std::size_t f) {
-      SimdVec3::Lanes sum = regions_[f];
-      for (const Index n : neighbours(f)) sum += regions_[n];
-      next_regions_[f] = sum / (1 + static_cast<float>(neighbours(f).size()));
+      Value sum = values[f];
+      for (const Index n : neighbours(f)) sum += values[n];
+      next[f] = sum / (1 + static_cast<float>(neighbours(f).size()));
     });
     if (!done) return false;
-    regions_.swap(next_regions_);
+    values.swap(next);
   }
   return true;
+}
+
+bool NormalFields::measure_local_areas() {
+  constexpr std::size_t kSmoothed = 2;
+  return for_each(patch_->within(kAreaRings), run(),
+                  [&](std::size_t f) {
+                    const float seen = dot(fields_[f][0], fields_[f][kSmoothed]);
+                    local_areas_[f] = twice_areas_[f] * std::max(seen, 0.0F);
+                  }) &&
+         average_over_rings(kAreaRings, local_areas_, evenness_);
+}
+
+/// What the surface is like around a face.
+bool NormalFields::measure_regions() {
+  return for_each(patch_->within(kRegionRings), run(),
+                  [&](std::size_t f) {
+                    const auto& n = fields_[f];
+                    regions_[f] = SimdVec3::Lanes{difference(n[0], n[3]), difference(n[3], n[8]),
+                                                  difference(n[6], n[11]), difference(n[1], n[12])};
+                  }) &&
+         average_over_rings(kRegionRings, regions_, next_regions_);
+}
+
+float NormalFields::Whole::fineness(float local) const {
+  constexpr float kLeast = 0.25F, kMost = 1.5F;
+  if (!(local_area > 0)) return 1;
+  if (!(local * kMost * kMost > local_area)) return kMost;
+  return std::max(std::sqrt(local_area / local), kLeast);
+}
+
+NormalFields::Differences NormalFields::Whole::usual(float fineness) const {
+  Differences means;
+  for (std::size_t i = 0; i < kGlobals; ++i) means[i] = std::max(constant[i] + slope[i] * fineness, 0.0F);
+  return means;
 }
 
 void NormalFields::describe(std::size_t face, const Whole& whole, Inputs& inputs) const {
@@ -180,7 +209,7 @@ void NormalFields::describe(std::size_t face, const Whole& whole, Inputs& inputs
   }
   inputs[at++] = std::min(std::sqrt(twice_areas_[face]) * per_edge, 4.0F);
   inputs[at++] = std::min(length(far - near), 4.0F);
-  for (const float mean : whole) inputs[at++] = mean;
+  for (const float mean : whole.usual(whole.fineness(local_areas_[face]))) inputs[at++] = mean;
   for (std::size_t i = 0; i < kRegionals; ++i) inputs[at++] = regions_[face][i];
 }
 

@@ -19,13 +19,22 @@ class NormalFields {
   static constexpr std::size_t kOffsets = 12, kGlobals = 4, kRegionals = 4;
   /// |n_a - n_b| of every two fields; how far the face lies from the means of its neighbours' centroids along
   /// five of the fields, in mean edge lengths, and its size; means of some differences over the whole mesh,
-  /// and of some over the region around the face.
+  /// of triangles as large as those around the face, and of some over the region around it.
   static constexpr std::size_t kInputs = kPairs + kOffsets + kGlobals + kRegionals;
   using Inputs = std::array<float, kInputs>;
   using Weights = std::array<float, kFields>;
 
-  /// Means of differences over the whole mesh.
-  using Whole = std::array<float, kGlobals>;
+  using Differences = std::array<float, kGlobals>;
+  /// Means of differences over the whole mesh, by how fine it is: noise turns small triangles farther than
+  /// large ones, so what is usual on the mesh is not what is usual here.
+  struct Whole {
+    Differences constant{}, slope{};  ///< the mean is constant + slope fineness
+    float local_area = 0;             ///< mean of local_area()
+
+    /// sqrt(mean local area / this one), from 1/4 to 3/2.
+    float fineness(float local) const;
+    Differences usual(float fineness) const;
+  };
   /// Rings around the faces of a patch that their inputs depend on.
   static constexpr std::uint32_t kRings = 20;
 
@@ -43,7 +52,10 @@ class NormalFields {
   Index number(std::size_t face) const { return patch_->face(face); }
   SimdVec3 field(std::size_t number, std::size_t face) const { return fields_[face][number]; }
   /// Whose means over the mesh are Whole.
-  Whole differences(std::size_t face) const;
+  Differences differences(std::size_t face) const;
+  /// Twice the area of the triangles around the face, as seen along smoothed normals, so that noise does not
+  /// enlarge them: averaged over two rings.
+  float local_area(std::size_t face) const { return local_areas_[face]; }
   /// Thread-safe.
   void describe(std::size_t face, const Whole& whole, Inputs& inputs) const;
   /// The unit normal along the weighted sum of the fields.
@@ -56,7 +68,7 @@ class NormalFields {
     std::size_t field;
   };
   /// Rings of the means over regions, which need some of the fields so far out, and of one choice of a patch.
-  static constexpr std::uint32_t kRegionRings = 6, kPatchRings = 2;
+  static constexpr std::uint32_t kRegionRings = 6, kPatchRings = 2, kAreaRings = 2;
 
   bool start(const FacePatch& patch, std::span<const SimdVec3> positions);
   bool copy(std::size_t field, Field& to, std::uint32_t rings);
@@ -70,7 +82,10 @@ class NormalFields {
   bool most_even_patch(const Field& from, Field& to, std::uint32_t rings);
   bool choose_patches();
   bool mean_centroids();
+  bool measure_local_areas();
   bool measure_regions();
+  template <class Value>
+  bool average_over_rings(std::uint32_t rings, Buffer<Value>& values, Buffer<Value>& next);
 
   std::span<const Index> neighbours(std::size_t face) const { return patch_->neighbours(face); }
   const RunControl& run() const { return patch_->mesh().run(); }
@@ -79,7 +94,7 @@ class NormalFields {
   const FacePatch* patch_ = nullptr;
   Buffer<float> twice_areas_;
   Field centroids_, now_, next_, means_;
-  Buffer<float> evenness_;
+  Buffer<float> evenness_, local_areas_;
   Buffer<SimdVec3> near_centroids_, far_centroids_;  // means over one and three rings
   Buffer<std::array<SimdVec3, kFields>> fields_;
   Buffer<SimdVec3::Lanes> regions_, next_regions_;

@@ -54,40 +54,61 @@ bool NormalPatches::take(std::size_t part) {
 }
 
 bool NormalPatches::measure(std::span<const SimdVec3> positions, const Visit& visit) {
-  Buffer<NormalFields::Whole> differences(whole_ ? 0 : faces_.size());
-  const auto gather = [&] {
-    return for_each(fields_.size(), run_,
-                    [&](std::size_t i) { differences[fields_.number(i)] = fields_.differences(i); });
-  };
+  Buffer<Seen> seen(whole_ ? 0 : faces_.size());
   if (parts_ > 1 && !whole_) {
     for (std::size_t part = 0; part < parts_; ++part) {
-      if (!take(part) || !fields_.measure_differences(patch_, positions) || !gather()) return false;
+      if (!take(part) || !fields_.measure_differences(patch_, positions) || !gather(seen)) return false;
     }
-    whole_ = mean(differences);
+    whole_ = fit(seen);
   }
   for (std::size_t part = 0; part < parts_; ++part) {
     if (!take(part) || !fields_.measure(patch_, positions)) return false;
     if (!whole_) {
-      if (!gather()) return false;
-      whole_ = mean(differences);
+      if (!gather(seen)) return false;
+      whole_ = fit(seen);
     }
     if (!visit(fields_)) return false;
   }
   return !run_.stopped();
 }
 
-/// Added in the order of the mesh.
-NormalFields::Whole NormalPatches::mean(std::span<const NormalFields::Whole> differences) const {
-  NormalFields::Whole result{};
-  for (std::size_t k = 0; k < result.size(); ++k) {
-    const double sum = parallel_sum(differences.size(), run_, [&](std::size_t begin, std::size_t end) {
-      double part = 0;
-      for (std::size_t f = begin; f < end; ++f) part += static_cast<double>(differences[f][k]);
-      return part;
-    });
-    result[k] = static_cast<float>(sum / static_cast<double>(differences.size()));
+bool NormalPatches::gather(std::span<Seen> seen) const {
+  return for_each(fields_.size(), run_, [&](std::size_t i) {
+    seen[fields_.number(i)] = {fields_.differences(i), fields_.local_area(i)};
+  });
+}
+
+/// Least squares over the fineness, in the order of the mesh. Where the triangles are all of one size it says
+/// nothing, and the slope is less than the squares would have it.
+NormalFields::Whole NormalPatches::fit(std::span<const Seen> seen) const {
+  constexpr double kDoubt = 4e-3;  // variance of the fineness that counts half
+  const auto mean = [&](auto&& value) {
+    return parallel_sum(seen.size(), run_,
+                        [&](std::size_t begin, std::size_t end) {
+                          double part = 0;
+                          for (std::size_t f = begin; f < end; ++f)
+                            part += static_cast<double>(value(seen[f]));
+                          return part;
+                        }) /
+           static_cast<double>(seen.size());
+  };
+  NormalFields::Whole whole;
+  whole.local_area = static_cast<float>(mean([](const Seen& s) { return s.local_area; }));
+  const auto fineness = [&](const Seen& s) { return static_cast<double>(whole.fineness(s.local_area)); };
+  const double middle = mean(fineness);
+  const double variance = mean([&](const Seen& s) {
+    const double off = fineness(s) - middle;
+    return off * off;
+  });
+  for (std::size_t k = 0; k < NormalFields::kGlobals; ++k) {
+    const auto difference = [&](const Seen& s) { return static_cast<double>(s.differences[k]); };
+    const double usual = mean(difference),
+                 together = mean([&](const Seen&s) { return (fineness(s) - middle) * difference(s); });
+    const double slope = together / (variance + kDoubt);
+    whole.slope[k] = static_cast<float>(slope);
+    whole.constant[k] = static_cast<float>(usual - slope * middle);
   }
-  return result;
+  return whole;
 }
 
 }  // namespace burnish

@@ -26,9 +26,16 @@ class NormalPatches {
   const NormalFields::Whole& whole() const { return *whole_; }
 
  private:
+  /// Of a face of the mesh.
+  struct Seen {
+    NormalFields::Differences differences;
+    float local_area;
+  };
+
   bool take(std::size_t part);
   std::span<Index> own(std::size_t part);
-  NormalFields::Whole mean(std::span<const NormalFields::Whole> differences) const;
+  bool gather(std::span<Seen> seen) const;
+  NormalFields::Whole fit(std::span<const Seen> seen) const;
 
   const Faces& faces_;
   const RunControl& run_;

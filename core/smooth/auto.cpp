@@ -60,10 +60,11 @@ Result<AutoPlan> plan_auto(const Surface& surface, const AutoParams& params, con
   if (run.stopped()) return run.stop_error();
   const double share = share_of_noise(noise.sigma_over_edge), strength = params.strength * share;
   const std::int64_t stages = strength == 0 ? 0 : options.iterations;
-  return AutoPlan{noise,
-                  {.method = "learned_normals",
-                   .parameters = {{"iterations", stages}, {"strength", strength}},
-                   .reason = reason(noise, share)}};
+  MethodChoice choice{.method = "learned_normals",
+                      .parameters = {{"iterations", stages}, {"strength", strength}},
+                      .reason = reason(noise, share)};
+  if (noise.kind == NoiseEstimate::Kind::Impulsive) choice.parameters["moves"] = "outliers";
+  return AutoPlan{noise, std::move(choice)};
 }
 
 Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, const IterationOptions& options,
@@ -73,7 +74,10 @@ Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, co
   MethodChoice& choice = plan->choice;
   IterationOptions stages = options;
   stages.iterations = static_cast<std::uint32_t>(std::get<std::int64_t>(choice.parameters.at("iterations")));
-  const LearnedNormalsParams chosen{.strength = std::get<double>(choice.parameters.at("strength"))};
+  using Moves = LearnedNormalsParams::Moves;
+  const LearnedNormalsParams chosen{
+      .moves = choice.parameters.contains("moves") ? Moves::Outliers : Moves::All,
+      .strength = std::get<double>(choice.parameters.at("strength"))};
   auto outcome = smooth_learned_normals(surface, chosen, stages, run);
   if (!outcome) return outcome.error();
   choice.sharp_bending = share_of_sharp_bending(surface, run);  // a stop makes it mean nothing
@@ -85,23 +89,25 @@ Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, co
 
 Method auto_method() {
   constexpr AutoParams kDefaults;
-  return {.name = "auto",
-          .summary =
-              "Looks at the mesh and does what suits it: nothing to a clean one, and to a noisy one what "
-              "learned_normals would, the more carefully the less noise there is.",
-          .reference = "see learned_normals",
-          .formula =
-              "strength' = strength s((sigma/h - 0.03) / 0.015),  s(x) = x^2 (3 - 2 x) for x within 0 to 1",
-          .parameters = with_iteration_parameters(
-              {number_parameter("strength", kDefaults.strength, 0, 2, "1",
-                                "0 leaves the mesh as it is, 1 takes away what looks like noise, 2 more.")},
-              kLearnedStages),
-          .work_memory = learned_normals_method().work_memory,
-          .nanoseconds = 2000,
-          .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
-            return smooth_auto(surface, {.strength = values.number("strength")},
-                               iteration_options(values, surface), run);
-          }};
+  return {
+      .name = "auto",
+      .summary =
+          "Looks at the mesh and does what suits it: nothing to a clean one, and to a noisy one what "
+          "learned_normals would, the more carefully the less noise there is; where few vertices are off, "
+          "the others stay.",
+      .reference = "see learned_normals",
+      .formula =
+          "strength' = strength s((sigma/h - 0.03) / 0.015),  s(x) = x^2 (3 - 2 x) for x within 0 to 1",
+      .parameters = with_iteration_parameters(
+          {number_parameter("strength", kDefaults.strength, 0, 2, "1",
+                            "0 leaves the mesh as it is, 1 takes away what looks like noise, 2 more.")},
+          kLearnedStages),
+      .work_memory = learned_normals_method().work_memory,
+      .nanoseconds = 2000,
+      .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
+        return smooth_auto(surface, {.strength = values.number("strength")},
+                           iteration_options(values, surface), run);
+      }};
 }
 
 }  // namespace burnish

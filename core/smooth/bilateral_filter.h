@@ -10,31 +10,38 @@
 
 namespace burnish {
 
-/// n'(i) = unit(sum over neighbours j of A(j) factor(j, i) exp(exponent(j, i)) n(j)); n(i) where the sum
-/// vanishes. False when stopped.
+/// The neighbours of one triangle, and their weights by four: room that one thread uses again and again.
+struct WeightedNeighbours {
+  std::vector<Index> faces;
+  std::vector<FourFloats> weights;
+};
+
+/// unit(sum over neighbours j of i of A(j) factor(j, i) exp(exponent(j, i)) n(j)); n(i) where the sum
+/// vanishes.
+template <class Exponent, class Factor>
+SimdVec3 normal_by_weights(const Faces& faces, WeightedNeighbours& near, std::size_t i, Exponent&& exponent,
+                           Factor&& factor) {
+  near.faces.clear();
+  faces.for_each_neighbour(i, [&](Index n) { near.faces.push_back(n); });
+  near.weights.resize((near.faces.size() + 3) / 4);
+  for (std::size_t k = 0; k < near.faces.size(); ++k) near.weights[k / 4][k % 4] = exponent(near.faces[k], i);
+  for (FourFloats& four : near.weights) four = portable_exp(four);
+  SimdVec3 sum;
+  float weights = 0;
+  for (std::size_t k = 0; k < near.faces.size(); ++k) {
+    const Index n = near.faces[k];
+    const float weight = faces.twice_area(n) * near.weights[k / 4][k % 4] * factor(n, i);
+    sum += faces.normal(n) * weight;
+    weights += weight;
+  }
+  return unit_or(sum, weights, faces.normal(i));
+}
+
+/// Every normal by normal_by_weights(). False when stopped.
 template <class Exponent, class Factor>
 bool filter_by_weights(Faces& faces, Exponent&& exponent, Factor&& factor) {
-  struct Weighted {  // the neighbours of one triangle, and their weights by four
-    std::vector<Index> faces;
-    std::vector<FourFloats> weights;
-  };
-  return faces.filter_with(Weighted{}, [&](Weighted& near, std::size_t f) {
-    near.faces.clear();
-    faces.for_each_neighbour(f, [&](Index n) { near.faces.push_back(n); });
-    near.weights.resize((near.faces.size() + 3) / 4);
-    for (std::size_t i = 0; i < near.faces.size(); ++i) {
-      near.weights[i / 4][i % 4] = exponent(near.faces[i], f);
-    }
-    for (FourFloats& four : near.weights) four = portable_exp(four);
-    SimdVec3 sum;
-    float weights = 0;
-    for (std::size_t i = 0; i < near.faces.size(); ++i) {
-      const Index n = near.faces[i];
-      const float weight = faces.twice_area(n) * near.weights[i / 4][i % 4] * factor(n, f);
-      sum += faces.normal(n) * weight;
-      weights += weight;
-    }
-    return unit_or(sum, weights, faces.normal(f));
+  return faces.filter_with(WeightedNeighbours{}, [&](WeightedNeighbours& near, std::size_t f) {
+    return normal_by_weights(faces, near, f, exponent, factor);
   });
 }
 

@@ -17,6 +17,12 @@ struct LearnedNormalsParams {
   std::uint32_t vertex_steps = 20;  ///< steps of the vertices per stage, 1 to 1000
   /// Rings over which what the steps took away is averaged and given back, see CascadeOptions; 0 to 100.
   std::uint32_t give_back = 3, give_back_flat = 30;
+  /// After the last stage, filterings of the normals where the surface is made of facets, see
+  /// smooth_facets(); 0 to 100.
+  std::uint32_t facet_steps = 10;
+  /// Which vertices move: all, or only those that stand out, while the others stay to the bit. For impulsive
+  /// noise, which leaves most vertices where they belong; see find_outliers().
+  enum class Moves : std::uint8_t { All, Outliers } moves = Moves::All;
   /// Share of the way to go, 0 to 2. Above 1, on towards a surface that is smoother than learned.
   double strength = 1;
 };

@@ -10,6 +10,7 @@
 #include "core/shape/noise.h"
 #include "core/smooth/learned_normals.h"
 #include "tests/support/procedural.h"
+#include "tests/support/refined.h"
 
 namespace burnish {
 namespace {
@@ -88,14 +89,26 @@ TEST_P(AutoOnShape, UnfoldsTrianglesThatNoiseAlongTheSurfaceTurnedOver) {
 INSTANTIATE_TEST_SUITE_P(Procedural, AutoOnShape, ::testing::ValuesIn(procedural_names()),
                          [](const auto& row) { return row.param; });
 
+/// A tenth of the vertices off.
+Surface with_impulses(const Surface& clean, double sigma) {
+  Surface surface = clean;
+  EXPECT_TRUE(
+      add_noise(surface, {.kind = NoiseKind::Impulsive, .amplitude = sigma, .fraction = 0.1, .seed = 5}));
+  return surface;
+}
+
 TEST(Auto, SaysWhatToAskForToGetTheSame) {
-  for (const double sigma : {0.04, 0.2}) {
-    const Surface start = noisy(shape_named("shaft"), sigma);
+  const Surface shaft = shape_named("shaft");
+  for (const Surface& start : {noisy(shaft, 0.04), noisy(shaft, 0.2), with_impulses(shaft, 0.5)}) {
     Surface chosen = start, asked = start;
     const SmoothOutcome outcome = run(chosen, "auto", {{"strength", 0.5}});
     ASSERT_TRUE(outcome.choice);
     EXPECT_EQ(outcome.choice->method, "learned_normals");
-    EXPECT_NE(outcome.choice->reason.find("gaussian noise"), std::string::npos) << outcome.choice->reason;
+    const bool impulsive = outcome.noise->kind == NoiseEstimate::Kind::Impulsive;
+    EXPECT_EQ(outcome.choice->parameters.contains("moves"), impulsive);
+    EXPECT_NE(outcome.choice->reason.find(impulsive ? "impulsive noise" : "gaussian noise"),
+              std::string::npos)
+        << outcome.choice->reason;
     run(asked, outcome.choice->method.c_str(), outcome.choice->parameters);
     EXPECT_TRUE(chosen.mesh.positions == asked.mesh.positions);
     EXPECT_FALSE(chosen.mesh.positions == start.mesh.positions);
@@ -132,6 +145,43 @@ TEST(Auto, GoesFartherTheStrongerItIsAsked) {
   Surface untouched = start;
   run(untouched, "auto", {{"strength", 0.0}});
   EXPECT_TRUE(untouched.mesh.positions == start.mesh.positions);
+}
+
+TEST(Auto, LeavesMostVerticesAloneWhereFewAreOff) {
+  double with_all = 0, with_outliers = 0;
+  for (const char* name : {"shaft", "vase", "coarse_bumps", "fine_bumps"}) {
+    const Surface clean = shape_named(name), start = with_impulses(clean, 0.6);
+    Surface surface = start, all = start;
+    run(surface, "auto");
+    run(all, "learned_normals");
+    std::size_t stayed = 0;
+    for (std::size_t v = 0; v < start.mesh.positions.size(); ++v) {
+      stayed += surface.mesh.positions[v] == start.mesh.positions[v] ? 1U : 0U;
+    }
+    EXPECT_GT(static_cast<double>(stayed), 0.7 * static_cast<double>(start.mesh.positions.size())) << name;
+    EXPECT_LT(ev(surface, clean), 0.5 * ev(start, clean)) << name;
+    with_all += ev(all, clean), with_outliers += ev(surface, clean);
+  }
+  EXPECT_LT(with_outliers, 0.8 * with_all);
+}
+
+TEST(Auto, MovesAllVerticesWhereAllAreOffThoughAskedForOutliers) {
+  const Surface start = noisy(shape_named("shaft"), 0.3);
+  Surface all = start, outliers = start;
+  run(all, "learned_normals");
+  run(outliers, "learned_normals", {{"moves", "outliers"}});
+  EXPECT_TRUE(all.mesh.positions == outliers.mesh.positions);
+}
+
+/// With one measure of the noise for triangles of all sizes .1007, .1037 and .0747 were left.
+TEST(Auto, KeepsWhatIsMadeOfLargeTrianglesBesideSmallOnes) {
+  for (const auto& [name, most] : {std::pair{"vase", 0.09}, {"relief", 0.095}, {"cone", 0.068}}) {
+    const Surface clean =
+        surface_of(unevenly_refined(procedural_shape(name, 11, 2500).shape, Finest::BetweenCreases, 11));
+    Surface surface = noisy(clean, 0.3);
+    run(surface, "auto");
+    EXPECT_LT(ev(surface, clean), most) << name;
+  }
 }
 
 TEST(LearnedNormals, TurnNoTriangleAgainstWhatTheySee) {
