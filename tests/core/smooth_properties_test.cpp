@@ -1,6 +1,7 @@
 // What every method of the registry owes its users, whatever its parameters.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/io/text_number.h"
@@ -261,20 +262,27 @@ TEST(Taubin, KeepsTheVolumeThatLaplacianLoses) {
   EXPECT_LT(std::abs(change("taubin")), 0.02);
 }
 
-TEST(Adaptive, SmoothsAcrossTrianglesThatWindTheOtherWay) {
+/// How far apart the results are when every third triangle winds the other way.
+float apart_by_winding(const char* name) {
   const Shape shape = with_noise(sphere(3), 0.02);
   Shape mixed = shape;
   for (std::size_t t = 0; t < mixed.triangles.size(); t += 3)
     std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
   Surface one = surface_of(shape), other = surface_of(mixed);
-  const Method& method = methods().front();
+  const Method& method = *find_method(name).value();
   const auto values = resolve_parameters(method, {});
-  ASSERT_TRUE(method.run(one, *values, {}));
-  ASSERT_TRUE(method.run(other, *values, {}));
-  for (std::size_t v = 0; v < one.mesh.positions.size(); ++v) {
-    EXPECT_LT(length(one.mesh.positions[v] - other.mesh.positions[v]), 1e-4F);
-  }
+  EXPECT_TRUE(method.run(one, *values, {}));
+  EXPECT_TRUE(method.run(other, *values, {}));
+  float farthest = 0;
+  for (std::size_t v = 0; v < one.mesh.positions.size(); ++v)
+    farthest = std::max(farthest, length(one.mesh.positions[v] - other.mesh.positions[v]));
+  return farthest;
 }
+
+TEST(Adaptive, SmoothsAcrossTrianglesThatWindTheOtherWay) { EXPECT_LT(apart_by_winding("adaptive"), 1e-4F); }
+
+/// Its filters choose the most even patch around a face: rounding may tip the choice. An edge has .15 here.
+TEST(Auto, SmoothsAcrossTrianglesThatWindTheOtherWay) { EXPECT_LT(apart_by_winding("auto"), 4e-4F); }
 
 }  // namespace
 }  // namespace burnish
