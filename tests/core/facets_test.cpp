@@ -20,7 +20,8 @@ Buffer<SimdVec3> positions_of(const Surface& surface) {
 
 /// Mean weight over the faces.
 double weight(const Surface& surface) {
-  Faces faces(surface, FaceNeighbourhood::Vertices, {});
+  const RunControl run;
+  Faces faces(surface, FaceNeighbourhood::Vertices, run);
   const auto positions = positions_of(surface);
   std::vector<float> weights(faces.size());
   EXPECT_TRUE(faces.measure(positions) && weigh_facets(faces, positions, weights));
@@ -52,7 +53,8 @@ TEST(WeighFacets, OfAPlaneAndASphereAreNothing) {
 class SmoothFacets : public ::testing::Test {
  protected:
   void smooth(const Surface& surface, std::uint32_t steps) {
-    Faces faces(surface, FaceNeighbourhood::Vertices, {});
+    const RunControl run;
+    Faces faces(surface, FaceNeighbourhood::Vertices, run);
     before_ = now_ = next_ = positions_of(surface);
     std::vector<std::uint8_t> movable;
     for (const std::uint8_t flags : surface.topology.vertex_flags) movable.push_back(flags == 0);
