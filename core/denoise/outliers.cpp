@@ -28,8 +28,7 @@ void two_rings(const Topology& topology, std::size_t v, std::vector<Index>& near
   add(topology.vertex_neighbours[v]);
   for (std::size_t i = 0, first = near.size(); i < first; ++i) add(topology.vertex_neighbours[near[i]]);
   std::ranges::sort(near);
-  const auto repeated = std::ranges::unique(near);
-  near.erase(repeated.begin(), repeated.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
   std::erase(near, static_cast<Index>(v));
 }
 
