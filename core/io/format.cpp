@@ -183,9 +183,10 @@ std::optional<Format> detect_format(std::string_view bytes) {
   if (has_binary_stl_size(bytes)) return Format::Stl;
   if (is_off(head)) return Format::Off;
   const bool text = looks_like_text(bytes);
-  // What is no text and says "solid" is a binary STL that was cut off: its own reader tells how.
-  if (is_text_stl(head) || (!text && same_word(bytes.substr(0, 5), "solid"))) return Format::Stl;
+  if (is_text_stl(head)) return Format::Stl;
   if (text) return Format::Obj;
+  // A binary STL that was cut off: its own reader tells how.
+  if (same_word(bytes.substr(0, 5), "solid") || is_cut_binary_stl(bytes)) return Format::Stl;
   return std::nullopt;
 }
 

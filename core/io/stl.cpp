@@ -213,6 +213,14 @@ bool has_binary_stl_size(std::string_view bytes) {
   return size == bytes.size() || (facets > 0 && size < bytes.size() && bytes.size() - size < kStlFacetBytes);
 }
 
+bool is_cut_binary_stl(std::string_view bytes) {
+  if (bytes.size() < kFirstStlFacet || has_binary_stl_size(bytes)) return false;
+  const std::string_view header = bytes.substr(0, kStlHeaderBytes);
+  const std::size_t end = std::min(header.find('\0'), header.size());
+  return looks_like_text(header.substr(0, end)) && header.find_first_not_of('\0', end) == header.npos &&
+         kFirstStlFacet + declared_facets(bytes) * std::uint64_t{kStlFacetBytes} > bytes.size();
+}
+
 Result<std::unique_ptr<Document>> decode_stl(std::string_view bytes, const Limits& limits,
                                              const RunControl& run) {
   const bool text = looks_like_text(bytes) && !has_binary_stl_size(bytes);

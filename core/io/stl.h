@@ -11,6 +11,9 @@ namespace burnish {
 /// facet more.
 bool has_binary_stl_size(std::string_view bytes);
 
+/// True when the header is text, padded by NUL or not, and declares more facets than there are bytes for.
+bool is_cut_binary_stl(std::string_view bytes);
+
 /// Facets keep their order, their attribute bytes, the header, names and layout. A normal is recomputed where
 /// its facet moved, unless it is 0 0 0. Errors: MalformedMesh, NonFinitePosition, EmptyMesh, TooLarge,
 /// Cancelled, DeadlineExceeded; each names the line or the byte. `bytes` must outlive the Document.

@@ -61,6 +61,14 @@ Result<> pin_vertices(v1::SmoothOptions& options, const std::string& name, std::
   }
 }
 
+/// The names of every query beside those of the method.
+Error unknown_name(Error error) {
+  error.message += "; every query may also have method, output, draco_method";
+  for (const DracoNumber& each : kDracoNumbers) error.message += std::string(", ") + each.name;
+  error.message += std::string(", pinned_vertices, pinned_group, pinned_attribute, ") + kTimeoutName;
+  return error;
+}
+
 Result<> set_one(v1::SmoothOptions& options, const std::string& name, const std::string& text) {
   if (name == "pinned_vertices") return pin_vertices(options, name, text);
   if (name == "pinned_group" || name == "pinned_attribute") {
@@ -72,7 +80,10 @@ Result<> set_one(v1::SmoothOptions& options, const std::string& name, const std:
   if (name == "output") return set_output(options, name, text);
   if (name == "draco_method") return set_draco_method(options, name, text);
   const auto* const draco = std::ranges::find(kDracoNumbers, name, &DracoNumber::name);
-  if (draco == std::ranges::end(kDracoNumbers)) return set_parameter_from_text(options, name, text);
+  if (draco == std::ranges::end(kDracoNumbers)) {
+    auto set = set_parameter_from_text(options, name, text);
+    return set || set.error().cause != Cause::UnknownOption ? set : unknown_name(std::move(set).error());
+  }
   const auto value = whole_number(name, text, 0, draco->most);
   if (!value) return value.error();
   (options.mutable_output()->mutable_draco()->*draco->set)(value.value());

@@ -165,7 +165,8 @@ class Helper {
     }
     auto result = smooth_(job, control);
     if (!result) return set_failure(result.error(), *reply.mutable_failure());
-    if (!output_.write(0, result->mesh)) throw std::bad_alloc();
+    if (auto written = output_.write(0, result->mesh, control); !written)
+      return set_failure(written.error(), *reply.mutable_failure());
     reply.set_bytes(result->mesh.size());
     reply.set_format(to_proto(result->format));
     *reply.mutable_report() = std::move(result->report);

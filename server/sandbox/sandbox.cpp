@@ -105,7 +105,7 @@ Error Sandbox::lose(const HelperPtr& helper) {
   return {Cause::Internal, "the process that worked on the mesh ended: " + ending};
 }
 
-Result<> Sandbox::hand_over(Exchange& exchange, HelperProcess& helper) const {
+Result<> Sandbox::hand_over(Exchange& exchange, HelperProcess& helper, const RunControl& run) const {
   exchange.files.clear();
   std::uint64_t next = 0;
   const auto place = [&](std::string_view bytes, sandbox::Place& at) -> Result<> {
@@ -117,8 +117,7 @@ Result<> Sandbox::hand_over(Exchange& exchange, HelperProcess& helper) const {
       return {};
     }
     at.set_offset(next);
-    if (!helper.input().write(next, bytes))
-      return Error{Cause::OutOfMemory, "not enough memory to hand the mesh over"};
+    if (auto written = helper.input().write(next, bytes, run); !written) return written;
     next = (next + bytes.size() + kAlignment - 1) / kAlignment * kAlignment;
     return {};
   };
@@ -134,7 +133,7 @@ Result<> Sandbox::perform(Exchange& exchange, const RunControl& run) {
     auto taken = take();
     if (!taken) return std::move(taken).error();
     const HelperPtr helper = std::move(taken).value();
-    if (auto placed = hand_over(exchange, *helper); !placed) {
+    if (auto placed = hand_over(exchange, *helper, run); !placed) {
       give_back(helper);
       return placed;
     }
@@ -181,10 +180,10 @@ Result<> Sandbox::await_end(Exchange& exchange, const HelperPtr& helper, const R
   Result<> outcome;
   if (exchange.reply.has_failure()) {
     outcome = error_of(exchange.reply.failure());
+  } else if (auto copied = helper->output().copy(exchange.reply.bytes(), run)) {
+    exchange.result = std::move(copied).value();
   } else {
-    exchange.result = helper->output().read(0, exchange.reply.bytes());
-    if (exchange.result.size() != exchange.reply.bytes())
-      outcome = Error{Cause::Internal, "the helper process handed over less than it said"};
+    outcome = std::move(copied).error();
   }
   give_back(helper);
   return outcome;

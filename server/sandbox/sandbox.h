@@ -54,7 +54,7 @@ class Sandbox {
   Error lose(const HelperPtr& helper);
   std::uint64_t new_job() { return ++jobs_; }
   Result<> perform(Exchange& exchange, const RunControl& run);
-  Result<> hand_over(Exchange& exchange, HelperProcess& helper) const;
+  Result<> hand_over(Exchange& exchange, HelperProcess& helper, const RunControl& run) const;
   Result<> await_end(Exchange& exchange, const HelperPtr& helper, const RunControl& run);
 
   const SandboxOptions options_;

@@ -9,7 +9,7 @@
 namespace burnish {
 namespace {
 
-constexpr std::uint64_t kKept = 8 << 20, kStep = 1 << 20;
+constexpr std::uint64_t kKept = 8 << 20, kStep = 1 << 20, kPiece = 4 << 20;
 
 }  // namespace
 
@@ -41,13 +41,18 @@ bool SharedBuffer::map(std::uint64_t size) {
   return true;
 }
 
-bool SharedBuffer::write(std::uint64_t offset, std::string_view bytes) {
-  if (bytes.empty()) return true;
+Result<> SharedBuffer::write(std::uint64_t offset, std::string_view bytes, const RunControl& run) {
+  if (bytes.empty()) return {};
   const std::uint64_t needed = (offset + bytes.size() + kStep - 1) / kStep * kStep;
-  if (needed > size() && ::ftruncate(file_.get(), static_cast<off_t>(needed)) != 0) return false;
-  if (needed > mapped_ && !map(needed)) return false;
-  std::memcpy(address_ + offset, bytes.data(), bytes.size());
-  return true;
+  const bool has_room = (needed <= size() || ::ftruncate(file_.get(), static_cast<off_t>(needed)) == 0) &&
+                        (needed <= mapped_ || map(needed));
+  if (!has_room) return Error{Cause::OutOfMemory, "not enough memory to hand the mesh over"};
+  for (std::uint64_t done = 0; done < bytes.size(); done += kPiece) {
+    if (run.stopped()) return run.stop_error();
+    const std::string_view piece = bytes.substr(done, kPiece);
+    std::memcpy(address_ + offset + done, piece.data(), piece.size());
+  }
+  return {};
 }
 
 std::string_view SharedBuffer::read(std::uint64_t offset, std::uint64_t bytes) {
@@ -56,6 +61,18 @@ std::string_view SharedBuffer::read(std::uint64_t offset, std::uint64_t bytes) {
   // All of it at once: what was read before stays where it is until there is more.
   if (offset + bytes > all || (all > mapped_ && !map(all))) return {};
   return {address_ + offset, bytes};
+}
+
+Result<std::string> SharedBuffer::copy(std::uint64_t bytes, const RunControl& run) {
+  const std::string_view all = read(0, bytes);
+  if (all.size() != bytes) return Error{Cause::Internal, "the helper process handed over less than it said"};
+  std::string copied;
+  copied.reserve(bytes);
+  for (std::uint64_t done = 0; done < bytes; done += kPiece) {
+    if (run.stopped()) return run.stop_error();
+    copied += all.substr(done, kPiece);
+  }
+  return copied;
 }
 
 void SharedBuffer::tidy() const {

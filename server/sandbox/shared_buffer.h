@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
+#include "core/run/run_control.h"
 #include "server/store/file.h"
 
 namespace burnish {
@@ -21,8 +23,11 @@ class SharedBuffer {
 
   const File& file() const { return file_; }
 
-  /// Makes room and copies. False when memory is out.
-  bool write(std::uint64_t offset, std::string_view bytes);
+  /// Makes room and copies, in pieces between which a stop is heard. OutOfMemory, Cancelled or
+  /// DeadlineExceeded.
+  Result<> write(std::uint64_t offset, std::string_view bytes, const RunControl& run);
+  /// A copy of what read() gives, made likewise. Internal when the buffer does not go so far.
+  Result<std::string> copy(std::uint64_t bytes, const RunControl& run);
   /// What the other end wrote, until it writes beyond what it ever wrote; empty when the buffer does not go
   /// so far.
   std::string_view read(std::uint64_t offset, std::uint64_t bytes);

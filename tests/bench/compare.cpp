@@ -114,6 +114,8 @@ void compare(const Shape& shape) {
   row("Eigen sparse product", least(runs, [&] { return eigen_product_seconds(given, noisy.triangles); }));
   row("OpenMesh Jacobi Laplace",
       least(std::min(runs, 3), [&] { return openmesh_seconds(given, noisy.triangles); }));
+  row("OpenMesh, assertions on",
+      least(std::min(runs, 3), [&] { return openmesh_asserting_seconds(given, noisy.triangles); }));
 
   for (const char* name : {"laplacian", "taubin", "adaptive"}) {
     const double one = least(runs, [&] {

@@ -21,5 +21,9 @@ inline constexpr int kCompareIterations = 20;
 double eigen_product_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
 /// OpenMesh::Smoother::JacobiLaplaceSmootherT, tangential and normal, C0.
 double openmesh_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+/// The same with OpenMesh's assertions, as programs that do not define NDEBUG get it. In a library that hides
+/// its symbols, or the linker would take one of the two for both.
+[[gnu::visibility("default")]] double openmesh_asserting_seconds(std::span<const Vec3f> positions,
+                                                                 std::span<const Triangle> triangles);
 
 }  // namespace burnish::bench

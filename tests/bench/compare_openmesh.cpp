@@ -6,7 +6,12 @@
 
 namespace burnish::bench {
 
-double openmesh_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
+#ifdef NDEBUG
+double openmesh_seconds(
+#else
+double openmesh_asserting_seconds(
+#endif
+    std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
   using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
   Mesh mesh;
   std::vector<Mesh::VertexHandle> handles;

@@ -135,7 +135,7 @@ class Replicas(unittest.TestCase):
         with concurrent.futures.ThreadPoolExecutor(3) as threads:
             running = [threads.submit(each) for each in (submit, smooth, smooth)]
             try:
-                disturb()
+                disturb(jobs)
                 out, said = load.communicate(timeout=seconds + 60)
             finally:
                 stop.set()
@@ -150,14 +150,15 @@ class Replicas(unittest.TestCase):
 
         took = []
 
-        def restart():
+        def restart(jobs):
             for replica in REPLICAS:
                 began = time.monotonic()
                 engine("restart", "-t", 40, self.compose.container(replica))
                 restarted = time.monotonic()
                 self.back(replica)
                 took.append(f"{restarted - began:.1f} + {time.monotonic() - restarted:.1f}")
-                time.sleep(1.2)  # for a second nginx takes one that did not answer for dead
+                seen = len(jobs)  # for a second nginx takes one that did not answer for dead
+                eventually(lambda: any(identity.startswith(f"{replica}-") for identity in jobs[seen:]), f"{replica} has work")
 
         calls, jobs, refused, answers = self.under_load(restart, 12)
         tell("rolling restart", seconds_to_restart_and_until_ready=took, grpc_calls=calls["outcomes"], http_answers=len(answers),
@@ -170,10 +171,11 @@ class Replicas(unittest.TestCase):
         expected = self.quiet_result()
         before = [self.submit("burnish-2") for _ in range(10)]
 
-        def kill():
-            time.sleep(2)
+        def kill(jobs):
+            eventually(lambda: len(jobs) >= 10, "the load has begun")
             engine("kill", "-s", "KILL", self.compose.container("burnish-2"))
-            time.sleep(4)
+            seen = len(jobs)
+            eventually(lambda: len(jobs) >= seen + 20, "the others carry on")
             engine("start", self.compose.container("burnish-2"))
             self.back("burnish-2")
 

@@ -59,8 +59,19 @@ TEST(Format, OfABinaryStlIsToldByItsSizeWhateverItsHeaderSays) {
     EXPECT_EQ(detect_format(binary_stl(header, 3, 2)), Format::Stl) << header << ", with two bytes behind";
   }
   EXPECT_EQ(detect_format(binary_stl("by a scanner", 3, 50)), std::nullopt);
-  EXPECT_EQ(detect_format(binary_stl("by a scanner", 3).substr(0, 200)), std::nullopt);
-  EXPECT_EQ(detect_format(binary_stl("solid, but cut off", 3).substr(0, 200)), Format::Stl);
+}
+
+TEST(Format, OfABinaryStlThatWasCutOffIsToldByItsHeaderOfText) {
+  for (const std::string& header :
+       {std::string(), std::string("by a scanner"), std::string("solid, but cut off"),
+        "by a scanner" + std::string(68, '\0'), std::string(80, '\0')}) {
+    const std::string whole = binary_stl(header, 3);
+    for (const std::size_t size : {whole.size() - 1, std::size_t{200}, std::size_t{84}})
+      EXPECT_EQ(detect_format(whole.substr(0, size)), Format::Stl) << header << ", " << size << " bytes";
+  }
+  EXPECT_EQ(detect_format(binary_stl("by a scanner", 0, 150)), std::nullopt);
+  EXPECT_EQ(detect_format(binary_stl("by no \1scanner", 3).substr(0, 200)), std::nullopt);
+  EXPECT_EQ(detect_format(binary_stl(std::string("padded by\0", 10), 3).substr(0, 200)), std::nullopt);
 }
 
 TEST(Format, OfAnyTextObjIsObj) {

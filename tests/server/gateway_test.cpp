@@ -1,5 +1,6 @@
 #include "server/http/gateway.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <future>
@@ -16,6 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
+using ::testing::HasSubstr;
 
 using House = testing::GatewayHouse;
 using testing::body_of;
@@ -135,6 +137,18 @@ TEST(Gateway, NamesTheQueryParameterThatIsWrong) {
     EXPECT_EQ(body_of(response)["field"], row.field);
   }
   expect_problem(house.handle(smooth_request(small_mesh(), {{"method", "magic"}})), Cause::UnknownMethod);
+}
+
+TEST(Gateway, ListsTheNamesThatEveryQueryMayHave) {
+  House house;
+  for (const char* method : {"taubin", "auto"}) {
+    const HttpResponse response =
+        house.handle(smooth_request(small_mesh(), {{"method", method}, {"format", "off"}}));
+    const std::string message = body_of(response)["detail"];
+    EXPECT_THAT(message, HasSubstr("has no parameter format; it has "));
+    EXPECT_THAT(message, HasSubstr("method, output, draco_method, position_bits, "));
+    EXPECT_THAT(message, HasSubstr("pinned_vertices, pinned_group, pinned_attribute, timeout_ms"));
+  }
 }
 
 TEST(Gateway, AnswersEveryCauseByTheStatusMap) {

@@ -60,9 +60,12 @@ Result<SmoothResult> misbehave(const SmoothJob& job, const RunControl& run) {
   if (how == "threads") {
     std::thread([&] { result.mesh = "a thread"; }).join();
   }
+  if (job.progress) job.progress(v1::SMOOTH_STAGE_SMOOTH, 0);
   while (how == "deaf") std::this_thread::yield();
   while (how == "waits" && !run.stopped()) std::this_thread::yield();
   if (how == "waits") return run.stop_error();
+  if (how == "late") result.mesh.resize(std::size_t{8} << 20, 'x');
+  while (how == "late" && !run.stopped()) std::this_thread::yield();
   if (!result.mesh.empty()) return result;
   return SmoothService().smooth(job, run);
 }
@@ -76,6 +79,14 @@ std::unique_ptr<Sandbox> sandbox_of(unsigned helpers = 1, std::uint64_t max_memo
 
 Result<SmoothResult> ask(Sandbox& sandbox, const std::string& how, const RunControl& run = {}) {
   return sandbox.smooth({.mesh = kMesh, .request_id = how}, run);
+}
+
+/// Cancels when the helper says that it has begun.
+Result<SmoothResult> ask_and_cancel(Sandbox& sandbox, const std::string& how) {
+  std::stop_source stop;
+  return sandbox.smooth(
+      {.mesh = kMesh, .request_id = how, .progress = [&](v1::SmoothStage, double) { stop.request_stop(); }},
+      {.stop = stop.get_token()});
 }
 
 TEST(Sandbox, GivesTheBytesOfTheService) {
@@ -224,9 +235,23 @@ TEST(Sandbox, StopsAJobThatIsCancelledOrLate) {
   EXPECT_EQ(sandbox->ended_helpers(), 0U);
 }
 
+TEST(Sandbox, HearsACancelWhileAResultIsHandedOver) {
+  const auto sandbox = sandbox_of();
+  EXPECT_EQ(ask_and_cancel(*sandbox, "late").error().cause, Cause::Cancelled);
+  EXPECT_EQ(sandbox->ended_helpers(), 0U);
+}
+
+TEST(Sandbox, GivesNoMeshToAHelperWhenTheCallerIsGone) {
+  std::stop_source stop;
+  stop.request_stop();
+  const auto sandbox = sandbox_of();
+  EXPECT_EQ(ask(*sandbox, "crash", {.stop = stop.get_token()}).error().cause, Cause::Cancelled);
+  EXPECT_EQ(sandbox->ended_helpers(), 0U);
+}
+
 TEST(Sandbox, KillsAHelperThatDoesNotStop) {
   const auto sandbox = sandbox_of();
-  EXPECT_EQ(ask(*sandbox, "deaf", {.deadline = Clock::now() + 10ms}).error().cause, Cause::DeadlineExceeded);
+  EXPECT_EQ(ask_and_cancel(*sandbox, "deaf").error().cause, Cause::Cancelled);
   EXPECT_EQ(sandbox->ended_helpers(), 1U);
   EXPECT_TRUE(ask(*sandbox, "well"));
 }
