@@ -36,7 +36,10 @@ void ObjParser::append(std::span<ObjParser> others, const RunControl& run) {
     items.reserve(count);
     for (const Part& part : std::span(parts).subspan(1)) {
       auto& more = part.document->*member;
-      items.insert(items.end(), more.begin(), more.end());
+      for (std::size_t begin = 0; begin < more.size() && !run.stopped(); begin += kBlockSize) {
+        const auto block = std::span(more).subspan(begin, std::min(kBlockSize, more.size() - begin));
+        items.insert(items.end(), block.begin(), block.end());
+      }
       more = {};
     }
   };
@@ -47,6 +50,7 @@ void ObjParser::append(std::span<ObjParser> others, const RunControl& run) {
     std::decay_t<decltype(document_.get()->*member)> rows;
     for (const Part& part : parts) {
       for (std::size_t t = 0; t < part.triangles; ++t) {
+        if (t % kBlockSize == 0 && run.stopped()) return;
         rows.push_back(row_of(part, speaks(part) ? &(part.document->*member)[t] : nullptr, t));
       }
     }
