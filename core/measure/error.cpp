@@ -34,9 +34,12 @@ std::vector<Vec3f> into_frame(const Frame& frame, const Surface& reference, std:
 }
 
 /// For each vertex of the surface the reference's vertex that comes from the same file vertex.
-std::vector<Index> partners(const Surface& surface, const Surface& reference) {
+std::vector<Index> partners(const Surface& surface, const Surface& reference, const RunControl& run) {
   std::vector<Index> partner(surface.mesh.positions.size(), kNone);
-  for (std::size_t v = surface.weld.size(); v-- > 0;) partner[surface.weld[v]] = reference.weld[v];
+  for (std::size_t v = surface.weld.size(); v-- > 0;) {
+    if (v % kBlockSize == 0 && run.stopped()) break;
+    partner[surface.weld[v]] = reference.weld[v];
+  }
   return partner;
 }
 
@@ -105,7 +108,7 @@ struct Other {
         const RunControl& run)
       : reference(of),
         positions(into_frame(surface.mesh.frame, of, at, run)),
-        partner(corresponding ? partners(surface, of) : std::vector<Index>()),
+        partner(corresponding ? partners(surface, of, run) : std::vector<Index>()),
         partners_at(partner.size()) {
     for_each(partner.size(), run, [&](std::size_t v) { partners_at[v] = positions[partner[v]]; });
   }
@@ -193,6 +196,7 @@ Result<ErrorMeasures> measure_errors(const Surface& surface, std::span<const Vec
                                      bool corresponding, const RunControl& run) {
   ErrorMeasures measures;
   const Other other(surface, reference, reference_positions, corresponding, run);
+  if (run.stopped()) return run.stop_error();
   const auto squared = squared_distances(surface, positions, other, run);
   if (!squared) return squared.error();
   summarise_distances(surface, *squared, run, measures);
