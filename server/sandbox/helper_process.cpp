@@ -20,8 +20,8 @@ constexpr int kAboveHelperFiles = 16;
 /// A copy above the numbers that the helper's files get, so that none is overwritten by another.
 int lift(const File& file) { return ::fcntl(file.get(), F_DUPFD_CLOEXEC, kAboveHelperFiles); }
 
-/// Of the environment what the program loader and the sanitizers read. Without pages of 2 MiB the kernel takes
-/// as long to hand out the memory for a large mesh as the helper takes to work on it.
+/// Of the environment what the program loader and the sanitizers read. Without pages of 2 MiB the kernel
+/// takes as long to hand out the memory for a large mesh as the helper takes to work on it.
 std::vector<char*> helper_environment() {
   static std::string large_pages = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
   std::vector<char*> kept;
