@@ -214,7 +214,7 @@ bool has_binary_stl_size(std::string_view bytes) {
 }
 
 bool is_cut_binary_stl(std::string_view bytes) {
-  if (bytes.size() < kFirstStlFacet || has_binary_stl_size(bytes)) return false;
+  if (bytes.size() < kFirstStlFacet) return false;
   const std::string_view header = bytes.substr(0, kStlHeaderBytes);
   const std::size_t end = std::min(header.find('\0'), header.size());
   return looks_like_text(header.substr(0, end)) && header.find_first_not_of('\0', end) == header.npos &&

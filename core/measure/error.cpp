@@ -122,6 +122,7 @@ struct Other {
 /// Of each vertex to the nearest point of the reference; 0 where there is no triangle to ask.
 Result<std::vector<double>> squared_distances(const Surface& surface, std::span<const Vec3f> positions,
                                               const Other& other, const RunControl& run) {
+  if (run.stopped()) return run.stop_error();
   std::vector<double> squared(positions.size(), 0);
   const auto& triangles = other.reference.mesh.triangles;
   if (surface.mesh.triangles.empty() || triangles.empty()) return squared;
@@ -196,7 +197,6 @@ Result<ErrorMeasures> measure_errors(const Surface& surface, std::span<const Vec
                                      bool corresponding, const RunControl& run) {
   ErrorMeasures measures;
   const Other other(surface, reference, reference_positions, corresponding, run);
-  if (run.stopped()) return run.stop_error();
   const auto squared = squared_distances(surface, positions, other, run);
   if (!squared) return squared.error();
   summarise_distances(surface, *squared, run, measures);
