@@ -21,6 +21,7 @@ export class SceneView {
   private readonly fields = new Map<string, Field>();
   private shown?: { kind: FieldKind; field: Field | null };
   private turn = 0;
+  private probes = 0;
   private readonly unit = byId<HTMLSelectElement>('unit');
   private readonly looks = byId<HTMLSelectElement>('look');
 
@@ -103,7 +104,7 @@ export class SceneView {
     }
     byId('divider').hidden = layout !== 'divider';
     byId('tag-before').hidden = byId('tag-after').hidden = layout !== 'divider' && layout !== 'side';
-    byId('probe').hidden = true;
+    this.hideProbe();
     this.viewer?.setLayout(layout);
     this.describe();
     void this.refreshField();
@@ -119,7 +120,7 @@ export class SceneView {
   private setLook(look: Look): void {
     this.look = look;
     this.looks.value = look;
-    byId('probe').hidden = true;
+    this.hideProbe();
     void this.refreshField();
   }
 
@@ -200,16 +201,23 @@ export class SceneView {
 
   /** Tells the place under a click, and its value on a heat map. */
   private async probe(x: number, y: number): Promise<void> {
+    const asked = this.hideProbe();
     const ray = this.viewer?.rayAt(x, y), probe = byId<HTMLOutputElement>('probe');
     const mesh = ray && (ray.slot === 'before' ? this.before : this.after);
     const hit = mesh ? await inWorker('pick', mesh.id, ray.from, ray.along, this.shown?.kind) : null;
-    probe.hidden = !hit;
-    if (!hit) return;
+    if (!hit || asked !== this.probes) return;
     const field = this.shown && this.fields.get(`${this.shown.kind} ${mesh!.id}`);
     const unit = this.shown ? this.fieldUnit(this.shown.kind) : '';
     const value = field && hit.value !== undefined ? ` · ${TITLES[this.shown!.kind].toLowerCase()} ${figure(hit.value)} ${unit}` : '';
     probe.replaceChildren(element('span', {}, `vertex ${count(hit.vertex)} at ${hit.position.map(figure).join(', ')}${value}`));
     Object.assign(probe.dataset, { triangle: String(hit.triangle), value: field ? String(hit.value) : '' });
+    probe.hidden = false;
+  }
+
+  /** What stands there belongs to an earlier click, and an answer that is still on its way is of no use. */
+  private hideProbe(): number {
+    byId('probe').hidden = true;
+    return ++this.probes;
   }
 
   private describe(): void {
