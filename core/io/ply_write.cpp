@@ -47,6 +47,9 @@ Result<Encoded> PlyDocument::encode_same(const MovedPositions& moved, const Outp
                                 "of the input",
                                 1});
   }
+  if (face_element_ < header_.elements.size() && header_.elements[face_element_].find("nx") != nullptr)
+    encoded.warnings.push_back(
+        {"normals_not_recomputed", "the faces have normals of their own; they are those of the input", 1});
   if (header_.encoding == PlyEncoding::Text) {
     bool any_moved = false;
     auto text = patch_text(moved, normals, any_moved, run);

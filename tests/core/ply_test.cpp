@@ -197,6 +197,33 @@ TEST(Ply, HeadersMayEndTheirLinesInAnyWay) {
   }
 }
 
+TEST(Ply, SaysWhichNormalsItCannotRecompute) {
+  const auto file = [](const std::string& vertex_normals, const std::string& face_normals) {
+    const std::string of_vertex = vertex_normals.empty() ? "" : " 0 0 1",
+                      of_face = face_normals.empty() ? "" : " 0 0 1";
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" +
+        vertex_normals + "element face 1\nproperty list uchar int vertex_indices\n" + face_normals +
+        "end_header\n";
+    for (const char* position : {"0 0 0", "1 0 0", "0 1 0"}) text += position + of_vertex + '\n';
+    return LoadedFile(text + "3 0 1 2" + of_face + '\n');
+  };
+  const auto normals = [](const std::string& type) {
+    return "property " + type + " nx\nproperty " + type + " ny\nproperty " + type + " nz\n";
+  };
+  const auto said = [](const LoadedFile& loaded) {
+    std::vector<std::string> messages;
+    for (const Warning& warning : loaded.encoded().warnings)
+      messages.push_back(warning.code + ' ' + warning.message);
+    return messages;
+  };
+  EXPECT_THAT(said(file("", "")), ElementsAre());
+  EXPECT_THAT(said(file(normals("float"), "")), ElementsAre());
+  EXPECT_THAT(said(file(normals("char"), "")), ElementsAre(HasSubstr("normals_not_recomputed the vertices")));
+  EXPECT_THAT(said(file(normals("float"), normals("float"))),
+              ElementsAre(HasSubstr("normals_not_recomputed the faces")));
+}
+
 TEST(Ply, PinsByAPropertyOfTheVertices) {
   const LoadedFile file(rich_ply(PlyEncoding::BigEndian));
   const auto pinned = file.document->attribute_vertices("quality", {});
