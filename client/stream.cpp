@@ -84,7 +84,11 @@ class Download {
     if (part.has_report()) *response_.mutable_report() = std::move(*part.mutable_report());
     if (!part.has_mesh_chunk()) return true;
     if (part.mesh_chunk().size() > kLargestMeshBytes - response_.mesh().size()) return false;
-    response_.mutable_mesh()->append(part.mesh_chunk());
+    if (response_.mesh().empty()) {
+      response_.mutable_mesh()->swap(*part.mutable_mesh_chunk());
+    } else {
+      response_.mutable_mesh()->append(part.mesh_chunk());
+    }
     return true;
   }
 

@@ -8,7 +8,7 @@
 
 namespace burnish::client {
 
-inline constexpr std::size_t kChunkBytes = std::size_t{512} << 10;
+inline constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
 /// A file of more bytes fits into no `bytes` field that protobuf reads or writes.
 inline constexpr std::size_t kLargestMeshBytes = 2'000'000'000;

@@ -31,7 +31,7 @@ Result<> Upload::append(UploadPart which, std::string_view chunk) {
   Part& part = which == UploadPart::Mesh ? mesh_ : reference_;
   if (!started_) return bad_request(std::string("a chunk of the ") + part.name + " came before the start");
   if (chunk.empty()) return bad_request(std::string("a chunk of the ") + part.name + " is empty");
-  if (!part.body) part.body = spool_.body();
+  if (!part.body) part.body = spool_.body(part.declared);
   const std::uint64_t size = part.body->size() + chunk.size();
   if (part.declared != 0 && size > part.declared) {
     return bad_request(std::string("more bytes of the ") + part.name + " than the " +

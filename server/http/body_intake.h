@@ -21,14 +21,15 @@ class BodyIntake {
   BodyIntake(const BodyIntake&) = delete;
   BodyIntake& operator=(const BodyIntake&) = delete;
 
-  /// Errors: UnsupportedFormat for a Content-Encoding, BadRequest for a form without boundary.
-  Result<> begin(const HttpRequest& head) {
+  /// `expected`: the Content-Length, if any. Errors: UnsupportedFormat for a Content-Encoding, BadRequest for
+  /// a form without boundary.
+  Result<> begin(const HttpRequest& head, std::uint64_t expected) {
     auto decoder = BodyDecoder::for_encoding(head.header("Content-Encoding"));
     if (!decoder) return std::move(decoder).error();
     decoder_ = std::move(decoder).value();
     const std::string_view type = head.header("Content-Type");
     if (!is_form(type)) {
-      parts_.begin_whole();
+      parts_.begin_whole(expected);
       return {};
     }
     auto boundary = parameter_of(type, "boundary").value_or("");

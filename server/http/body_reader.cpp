@@ -45,17 +45,18 @@ Result<> BodyDecoder::finish(const ByteSink& sink) {
   return collected_.empty() ? Result<>() : sink(collected_);
 }
 
-void BodyParts::open(std::string what, std::uint64_t limit, std::string_view limit_name) {
-  body_ = spool_.body();
+void BodyParts::open(std::string what, std::uint64_t limit, std::string_view limit_name,
+                     std::uint64_t expected) {
+  body_ = spool_.body(expected);
   what_ = std::move(what);
   limit_ = limit;
   limit_name_ = limit_name;
 }
 
-void BodyParts::begin_whole() {
+void BodyParts::begin_whole(std::uint64_t expected) {
   form_ = false;
   parts_.emplace_back();
-  open("the body", limits_.mesh.max_bytes, "max-bytes");
+  open("the body", limits_.mesh.max_bytes, "max-bytes", expected);
 }
 
 Result<> BodyParts::begin(std::string name, std::string content_type) {

@@ -37,8 +37,8 @@ class BodyParts {
  public:
   BodyParts(Spool& spool, const RequestLimits& limits) : spool_(spool), limits_(limits) {}
 
-  /// The whole body is one part. Then append(), then finish().
-  void begin_whole();
+  /// The whole body is one part, of so many bytes if that is known. Then append(), then finish().
+  void begin_whole(std::uint64_t expected);
   /// Another part of a form. Errors: BadRequest for too many, and what the part before it ended with.
   Result<> begin(std::string name, std::string content_type);
   /// Errors: TooLarge, MemoryFull, StorageFull.
@@ -47,7 +47,7 @@ class BodyParts {
   Result<> finish(HttpRequest& request);
 
  private:
-  void open(std::string what, std::uint64_t limit, std::string_view limit_name);
+  void open(std::string what, std::uint64_t limit, std::string_view limit_name, std::uint64_t expected = 0);
   Result<> close();
 
   Spool& spool_;

@@ -211,7 +211,7 @@ bool Conversation::client_gone() { return connection_.gone(exchange_.head->http_
 
 Result<> Conversation::read_body(const httplib::ContentReader& read, HttpRequest& request) {
   BodyIntake intake(context_.spool, context_.limits);
-  Result<> state = intake.begin(request);
+  Result<> state = intake.begin(request, exchange_.head->length.bytes);
   if (!state) return state;
   exchange_.body_done = read([&](const char* bytes, std::size_t size) {
     state = intake.feed({bytes, size});

@@ -100,6 +100,12 @@ Result<> Spool::check() const {
   return {};
 }
 
+std::unique_ptr<Body> Spool::body(std::uint64_t expected) {
+  std::unique_ptr<Body> body(new Body(*this));
+  if (expected <= options_.in_memory) body->memory_.reserve(expected);
+  return body;
+}
+
 bool Spool::take(std::uint64_t bytes) {
   std::uint64_t now = bytes_;
   do {

@@ -60,7 +60,9 @@ class Spool {
   /// Proves that the folder can be written to. Errors: BadOption.
   Result<> check() const;
 
-  std::unique_ptr<Body> body() { return std::unique_ptr<Body>(new Body(*this)); }
+  /// `expected`: so many bytes are to come, as far as the caller knows; 0: no word. Only where memory grows
+  /// from.
+  std::unique_ptr<Body> body(std::uint64_t expected = 0);
   std::uint64_t bytes() const { return bytes_; }  ///< of all bodies that live
 
  private:

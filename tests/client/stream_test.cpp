@@ -87,7 +87,7 @@ TEST(Stream, CarriesTheRequestInChunksOfItsDeclaredSizes) {
   const auto upload = received.get_future().get();
   EXPECT_TRUE(upload.mesh == request.mesh());
   EXPECT_TRUE(upload.reference == request.reference());
-  EXPECT_EQ(upload.largest_chunk, 512u << 10);
+  EXPECT_EQ(upload.largest_chunk, kMiB);
   EXPECT_EQ(upload.start.mesh_bytes(), request.mesh().size());
   EXPECT_EQ(upload.start.reference_bytes(), request.reference().size());
   EXPECT_EQ(upload.start.format(), v1::MESH_FORMAT_DRACO);
