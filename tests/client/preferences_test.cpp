@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <mutex>
+#include <utility>
+
 #include "tests/client/cli_fixture.h"
 #include "tests/client/fake_server.h"
 
@@ -71,12 +74,17 @@ TEST_F(Preferences, AreStrict) {
 }
 
 TEST_F(Preferences, NameTheServerAndItsToken) {
-  std::string token;
+  std::mutex mutex;
+  std::string last = "nobody asked";
+  const auto token = [&] {
+    const std::lock_guard lock(mutex);
+    return std::exchange(last, "nobody asked");
+  };
   const client::FakeServer server(
       {.smooth = [&](grpc::ServerContext& context, const auto& request, auto& response) {
+        const std::lock_guard lock(mutex);
         const auto found = context.client_metadata().find("authorization");
-        if (found != context.client_metadata().end())
-          token.assign(found->second.data(), found->second.size());
+        if (found != context.client_metadata().end()) last.assign(found->second.data(), found->second.size());
         response.set_mesh(request.mesh());
         response.mutable_report()->set_method(request.options().method());
         return grpc::Status::OK;
@@ -85,16 +93,15 @@ TEST_F(Preferences, NameTheServerAndItsToken) {
   usual(R"({"server": ")" + server.address() + R"(", "method": "taubin", "threads": 2, "token-file": ")" +
         file + R"("})");
   EXPECT_EQ(method({}), "taubin");
-  EXPECT_EQ(token, "Bearer first-token");
+  EXPECT_EQ(token(), "Bearer first-token");
   const Variable variable("BURNISH_TOKEN", "second-token");
   EXPECT_EQ(method({}), "taubin");
-  EXPECT_EQ(token, "Bearer second-token") << "the environment goes before the file";
+  EXPECT_EQ(token(), "Bearer second-token") << "the environment goes before the file";
   EXPECT_EQ(method({"--token-file", folder.write("other", "third-token")}), "taubin");
-  EXPECT_EQ(token, "Bearer third-token");
-  token = "nobody asked";
+  EXPECT_EQ(token(), "Bearer third-token");
   EXPECT_EQ(method({"--local"}), "taubin");
   EXPECT_EQ(method({"--threads", "1"}), "taubin") << "threads are of the local mode";
-  EXPECT_EQ(token, "nobody asked");
+  EXPECT_EQ(token(), "nobody asked");
   EXPECT_THAT(method({"--token-file", folder.write("two", "a b")}), HasSubstr("must hold one token"));
 }
 
