@@ -62,6 +62,19 @@ test('only what somebody changed is sent, whatever the method', async () => {
   fine(page);
 });
 
+test('a file that is dropped anywhere on the page is shown', async () => {
+  const page = await house.visit();
+  const dropped = await page.evaluateHandle((text) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([text], 'dropped.obj'));
+    return transfer;
+  }, obj(ball(6)));
+  for (const event of ['dragover', 'drop']) await page.dispatchEvent('body', event, { dataTransfer: dropped });
+  await page.waitForFunction(() => document.getElementById('mesh-name').textContent === 'dropped.obj');
+  assert.match(await page.textContent('#mesh-facts'), new RegExp(`^OBJ, ${ball(6).triangles.length} triangles`));
+  fine(page);
+});
+
 test('a bad file gets the sentence with its place', async () => {
   const page = await house.visit();
   const bad = obj(ball(6)).replace(/^(f .*) \d+$/m, '$1 99999');
