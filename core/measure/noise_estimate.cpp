@@ -23,9 +23,12 @@ constexpr double kLeast = 0.03;
 /// An impulse stands out so much from the rest and from its own neighbours, at so many vertices.
 constexpr float kAboveRest = 4, kAboveNeighbours = 1.8F;
 constexpr double kManyPeaks = 0.01;
-/// Where all the rest is smoother than this, in edge lengths, corners stand out like impulses: twice as many
-/// are needed.
-constexpr double kSmoothRest = 0.005;
+/// Where all the rest is smoother than the first of these, in edge lengths, corners stand out like impulses:
+/// twice as many are needed; fewer and fewer up to the second.
+constexpr double kSmoothRest = 0.007, kRoughRest = 0.012;
+/// Impulses that have others beside them are no peaks, and widen the rest instead: what the peaks' own
+/// strength is times, before that of the rest is added.
+constexpr double kHiddenPeaks = 1.25;
 
 class Estimator {
  public:
@@ -46,9 +49,12 @@ class Estimator {
     const double usual = core(), all = root_mean_square();
     // Noise without tails has a narrower spread than its middle suggests.
     NoiseEstimate estimate{std::min(usual, all) / (h * kBias), NoiseEstimate::Kind::Gaussian};
-    const double many = usual < kSmoothRest * h ? 2 * kManyPeaks : kManyPeaks;
-    if (peaks(static_cast<float>(usual * std::sqrt(kVariance))) > many) {
-      estimate = {all / (h * kBias), NoiseEstimate::Kind::Impulsive};
+    const double smoothness = (kRoughRest - usual / h) / (kRoughRest - kSmoothRest);
+    const Peaks peaks = find_peaks(static_cast<float>(usual * std::sqrt(kVariance)));
+    if (all > kLeast * h * kBias && peaks.share > kManyPeaks * (1 + std::clamp(smoothness, 0.0, 1.0))) {
+      // The whole holds the edges, too, which on machined parts are more than the impulses.
+      const double above = kHiddenPeaks * peaks.sigma + usual;
+      return {std::min(all / kBias, above) / h, NoiseEstimate::Kind::Impulsive};
     }
     if (estimate.sigma_over_edge < kLeast) estimate.kind = NoiseEstimate::Kind::None;
     return estimate;
@@ -132,19 +138,32 @@ class Estimator {
     return static_cast<double>(*at);
   }
 
-  /// Share of the vertices that stand out alone. Edges stand out too, but in rows.
-  double peaks(float rest) const {
-    const double count = parallel_sum(size_, run_, [&](std::size_t begin, std::size_t end) {
-      double found = 0;
-      for (std::size_t v = begin; v < end; ++v) {
-        if (residuals_[v] <= kAboveRest * rest) continue;
-        found += std::ranges::all_of(topology_.vertex_neighbours[v], [&](Index w) {
-          return std::abs(heights_[v]) > kAboveNeighbours * std::abs(heights_[w]);
-        });
-      }
-      return found;
-    });
-    return count / static_cast<double>(size_);
+  /// Vertices that stand out alone: which share of all they are, and what all would vary by if the others did
+  /// not. Edges stand out too, but in rows.
+  struct Peaks {
+    double share, sigma;
+  };
+  Peaks find_peaks(float rest) const {
+    const auto is_peak = [&](std::size_t v) {
+      return residuals_[v] > kAboveRest * rest &&
+             std::ranges::all_of(topology_.vertex_neighbours[v], [&](Index w) {
+               return std::abs(heights_[v]) > kAboveNeighbours * std::abs(heights_[w]);
+             });
+    };
+    const auto mean = [&](auto&& value) {
+      return parallel_sum(size_, run_,
+                          [&](std::size_t begin, std::size_t end) {
+                            double sum = 0;
+                            for (std::size_t v = begin; v < end; ++v) sum += is_peak(v) ? value(v) : 0;
+                            return sum;
+                          }) /
+             static_cast<double>(size_);
+    };
+    const auto square = [&](std::size_t v) {
+      const double r = static_cast<double>(residuals_[v]);
+      return r * r;
+    };
+    return {mean([](std::size_t) { return 1.0; }), std::sqrt(mean(square) / kVariance)};
   }
 
   double root_mean_square() const {

@@ -17,9 +17,10 @@ namespace {
 constexpr double kClean = 0.03, kNoisy = 0.045;
 
 /// How much of what the networks would take away is noise: from 0 to 1, in hundredths, so that it can be
-/// written down.
-double share_of_noise(double sigma) {
-  const double x = std::clamp((sigma - kClean) / (kNoisy - kClean), 0.0, 1.0);
+/// written down. Impulses are told from the surface one by one, however weak they are together.
+double share_of_noise(const NoiseEstimate& noise) {
+  if (noise.kind == NoiseEstimate::Kind::Impulsive) return 1;
+  const double x = std::clamp((noise.sigma_over_edge - kClean) / (kNoisy - kClean), 0.0, 1.0);
   return std::round(100 * x * x * (3 - 2 * x)) / 100;
 }
 
@@ -58,7 +59,7 @@ Result<AutoPlan> plan_auto(const Surface& surface, const AutoParams& params, con
                            const RunControl& run) {
   const NoiseEstimate noise = estimate_noise(surface, surface.mesh.positions, run);
   if (run.stopped()) return run.stop_error();
-  const double share = share_of_noise(noise.sigma_over_edge), strength = params.strength * share;
+  const double share = share_of_noise(noise), strength = params.strength * share;
   const std::int64_t stages = strength == 0 ? 0 : options.iterations;
   MethodChoice choice{.method = "learned_normals",
                       .parameters = {{"iterations", stages}, {"strength", strength}},
@@ -81,7 +82,7 @@ Result<SmoothOutcome> smooth_auto(Surface& surface, const AutoParams& params, co
   auto outcome = smooth_learned_normals(surface, chosen, stages, run);
   if (!outcome) return outcome.error();
   choice.sharp_bending = share_of_sharp_bending(surface, run);  // a stop makes it mean nothing
-  if (share_of_noise(plan->noise.sigma_over_edge) > 0) choice.reason += surface_below(choice.sharp_bending);
+  if (share_of_noise(plan->noise) > 0) choice.reason += surface_below(choice.sharp_bending);
   outcome->noise = plan->noise;
   outcome->choice = std::move(choice);
   return outcome;
@@ -97,7 +98,9 @@ Method auto_method() {
           "the others stay.",
       .reference = "see learned_normals",
       .formula =
-          "strength' = strength s((sigma/h - 0.03) / 0.015),  s(x) = x^2 (3 - 2 x) for x within 0 to 1",
+          "strength' = strength s((sigma/h - 0.03) / 0.015),  s(x) = x^2 (3 - 2 x) for x within 0 to 1; "
+          "strength' "
+          "= strength for impulsive noise",
       .parameters = with_iteration_parameters(
           {number_parameter("strength", kDefaults.strength, 0, 2, "1",
                             "0 leaves the mesh as it is, 1 takes away what looks like noise, 2 more.")},

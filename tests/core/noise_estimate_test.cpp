@@ -41,11 +41,15 @@ TEST_P(NoiseOfShape, IsFoundWithinAFifth) {
 }
 
 TEST_P(NoiseOfShape, IsToldFromFewVerticesFarOff) {
-  // A tenth of the vertices, evenly from -h to h: a root mean square of h sqrt(0.1 / 3).
-  const NoiseEstimate found =
-      estimate(noisy(clean_, {.kind = NoiseKind::Impulsive, .amplitude = 1, .fraction = 0.1}));
-  EXPECT_EQ(found.kind, Kind::Impulsive);
-  EXPECT_NEAR(found.sigma_over_edge, 0.183, 0.2 * 0.183);
+  // Evenly from -a to a: a root mean square of a sqrt(fraction / 3).
+  for (const auto& [amplitude, fraction] :
+       {std::pair{1.0, 0.1}, {0.5, 0.1}, {1.0, 0.05}, {1.0, 0.2}, {1.0, 0.3}}) {
+    const NoiseEstimate found =
+        estimate(noisy(clean_, {.kind = NoiseKind::Impulsive, .amplitude = amplitude, .fraction = fraction}));
+    const double sigma = amplitude * std::sqrt(fraction / 3);
+    EXPECT_EQ(found.kind, Kind::Impulsive) << amplitude << " " << fraction;
+    EXPECT_NEAR(found.sigma_over_edge, sigma, 0.2 * sigma) << amplitude << " " << fraction;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Procedural, NoiseOfShape, ::testing::ValuesIn(procedural_names()),
