@@ -1,6 +1,7 @@
 #include "core/denoise/facets.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/smooth/bilateral_filter.h"
 
@@ -18,8 +19,10 @@ float between(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-/// Of the edges of a face: bending at sharp ones, bending at all, share of flat ones.
-SimdVec3 edges_of(const Faces& faces, std::span<const SimdVec3> positions, std::size_t f) {
+/// Of edges: bending at sharp ones, bending at all, share of flat ones.
+using Edges = std::array<float, 3>;
+
+Edges edges_of(const Faces& faces, std::span<const SimdVec3> positions, std::size_t f) {
   constexpr float kSharpCosine = 0.906F, kFlat = 0.15F;
   const Triangle& corners = faces.surface().mesh.triangles[f];
   float sharp = 0, all = 0, flat = 0, count = 0;
@@ -41,22 +44,23 @@ SimdVec3 edges_of(const Faces& faces, std::span<const SimdVec3> positions, std::
 
 bool weigh_facets(const Faces& faces, std::span<const SimdVec3> positions, std::span<float> weights) {
   const RunControl& run = faces.run();
-  Buffer<SimdVec3> edges(faces.size()), next(faces.size());
+  Buffer<Edges> edges(faces.size()), next(faces.size());
   bool going = for_each(faces.size(), run, [&](std::size_t f) { edges[f] = edges_of(faces, positions, f); });
   for (std::uint32_t ring = 0; going && ring < kRings; ++ring) {
     going = for_each(faces.size(), run, [&](std::size_t f) {
-      SimdVec3 sum = edges[f];
+      Edges sum = edges[f];
       float count = 1;
       faces.for_each_neighbour(f, [&](Index n) {
-        sum += edges[n];
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += edges[n][i];
         count += 1;
       });
-      next[f] = sum * (1 / count);
+      for (float& value : sum) value *= 1 / count;
+      next[f] = sum;
     });
     edges.swap(next);
   }
   return going && for_each(faces.size(), run, [&](std::size_t f) {
-           const float sharp = edges[f].x(), all = edges[f].y(), flat = edges[f].z();
+           const auto [sharp, all, flat] = edges[f];
            weights[f] = all > 0 ? between(0.5F, 0.8F, sharp / all) * between(0.6F, 0.75F, flat) : 0;
          });
 }
@@ -68,10 +72,11 @@ bool smooth_facets(Faces& faces, std::span<const std::uint8_t> movable, std::uin
   Buffer<float> weights(faces.size());
   Buffer<std::uint8_t> moves(movable.size());
   const auto weighs = [&](Index f) { return weights[f] > 0; };
-  bool going = faces.measure(now) && weigh_facets(faces, now, weights) &&
-               for_each(movable.size(), run, [&](std::size_t v) {
-                 moves[v] = movable[v] != 0 && std::ranges::any_of(vertex_faces[v], weighs);
-               });
+  bool going = faces.measure(now) && weigh_facets(faces, now, weights);
+  if (going && std::ranges::none_of(weights, [](float weight) { return weight > 0; })) return true;
+  going = going && for_each(movable.size(), run, [&](std::size_t v) {
+            moves[v] = movable[v] != 0 && std::ranges::any_of(vertex_faces[v], weighs);
+          });
   for (std::uint32_t step = 0; going && step < steps; ++step) {
     if (!faces.measure(now)) return false;
     const BilateralExponent exponent(kWidths, faces, faces.normals());

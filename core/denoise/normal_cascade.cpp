@@ -28,20 +28,17 @@ NormalCascade::NormalCascade(const Surface& surface, std::span<const std::uint8_
       networks_(networks),
       run_(run),
       faces_(surface, FaceNeighbourhood::Vertices, run),
-      patches_(surface, faces_, run),
+      patches_(std::in_place, surface, faces_, run),
       predicted_(faces_.size()),
       now_(movable_.size()),
-      next_(movable_.size()),
-      heights_(movable_.size()),
-      next_heights_(movable_.size()),
-      near_heights_(movable_.size()) {}
+      next_(movable_.size()) {}
 
 bool NormalCascade::advance(std::span<const SimdVec3> from) {
   const NormalNetwork& network = networks_[std::min(stage_++, networks_.size() - 1)];
   const auto predict = [&](const NormalFields& fields) {
-    return network.predict(fields, patches_.whole(), run_, predicted_);
+    return network.predict(fields, patches_->whole(), run_, predicted_);
   };
-  return patches_.measure(from, predict) &&
+  return patches_->measure(from, predict) &&
          for_each(now_.size(), run_, [&](std::size_t v) { now_[v] = next_[v] = from[v]; }) && unfold() &&
          fit(predicted_, options_.vertex_steps) &&
          (std::max(options_.give_back, options_.give_back_flat) == 0 ||
@@ -81,6 +78,7 @@ bool NormalCascade::fit(Buffer<SimdVec3>& normals, std::uint32_t steps) {
     now_.swap(next_);
   }
   faces_.swap_normals(normals);
+  faces_.release_centroids();
   return going;
 }
 
@@ -90,16 +88,17 @@ SimdVec3 NormalCascade::normal_at(std::size_t v) const {
   return unit_or(sum, 1, {});
 }
 
-bool NormalCascade::average_heights(std::uint32_t rings) {
+bool NormalCascade::average_over_rings(std::uint32_t rings, Buffer<float>& heights,
+                                       Buffer<float>& next) const {
   bool going = true;
   for (std::uint32_t ring = 0; going && ring < rings; ++ring) {
     going = for_each(now_.size(), run_, [&](std::size_t v) {
       const auto row = surface_.topology.vertex_neighbours[v];
-      float sum = heights_[v];
-      for (const Index w : row) sum += heights_[w];
-      next_heights_[v] = sum / (1 + static_cast<float>(row.size()));
+      float sum = heights[v];
+      for (const Index w : row) sum += heights[w];
+      next[v] = sum / (1 + static_cast<float>(row.size()));
     });
-    heights_.swap(next_heights_);
+    heights.swap(next);
   }
   return going;
 }
@@ -109,21 +108,24 @@ bool NormalCascade::give_back() {
   const double share = share_of_flat_edges(surface_.topology, predicted_, run_);
   const auto flat =
       static_cast<float>(std::clamp((share - kCurvedSurface) / (kFlatSurface - kCurvedSurface), 0.0, 1.0));
-  // By rings: heights_ after the fewer, then after the more.
+  // By rings: heights after the fewer, then after the more.
   const auto [fewer, more] = std::minmax(options_.give_back, options_.give_back_flat);
   const float by_more = options_.give_back <= options_.give_back_flat ? flat : 1 - flat;
+  Buffer<float> heights(now_.size()), next(now_.size()), near(now_.size());
   return for_each(
              now_.size(), run_,
-             [&](std::size_t v) { heights_[v] = movable(v) ? dot(home(v) - now_[v], normal_at(v)) : 0; }) &&
-         average_heights(fewer) &&
-         for_each(now_.size(), run_, [&](std::size_t v) { near_heights_[v] = heights_[v]; }) &&
-         average_heights(by_more > 0 ? more - fewer : 0) && for_each(now_.size(), run_, [&](std::size_t v) {
-           const float height = near_heights_[v] + (heights_[v] - near_heights_[v]) * by_more;
+             [&](std::size_t v) { heights[v] = movable(v) ? dot(home(v) - now_[v], normal_at(v)) : 0; }) &&
+         average_over_rings(fewer, heights, next) &&
+         for_each(now_.size(), run_, [&](std::size_t v) { near[v] = heights[v]; }) &&
+         average_over_rings(by_more > 0 ? more - fewer : 0, heights, next) &&
+         for_each(now_.size(), run_, [&](std::size_t v) {
+           const float height = near[v] + (heights[v] - near[v]) * by_more;
            if (movable(v)) now_[v] = next_[v] = now_[v] + normal_at(v) * height;
          });
 }
 
 bool NormalCascade::finish() {
+  patches_.reset();
   if (options_.only_outliers) {
     Buffer<float> moves(now_.size());
     Buffer<std::uint8_t> outlier(now_.size());
@@ -131,8 +133,11 @@ bool NormalCascade::finish() {
     if (!for_each(now_.size(), run_, measure)) return false;
     if (find_outliers(surface_.topology, movable_, moves, outlier, run_)) return keep_exact(outlier);
   }
-  return options_.facet_steps == 0 || (smooth_facets(faces_, movable_, options_.facet_steps, now_, next_) &&
-                                       faces_.copy_normals(predicted_));
+  if (options_.facet_steps == 0) return true;
+  faces_.swap_normals(predicted_);  // it measures them anew: predicted_ is but memory now
+  const bool done = smooth_facets(faces_, movable_, options_.facet_steps, now_, next_);
+  faces_.swap_normals(predicted_);
+  return done;
 }
 
 /// Where no corner is off, the scan's own normals are the best; outliers move to fit those and the predicted
@@ -170,9 +175,10 @@ bool NormalCascade::go_beyond(float share) {
                     [&](std::size_t f) { wide[fields.number(f)] = fields.field(kWidest, f); });
   };
   return for_each(now_.size(), run_, [&](std::size_t v) { learned[v] = now_[v]; }) &&
-         patches_.measure(now_, take_widest) && fit(wide, options_.vertex_steps) &&
-         for_each(now_.size(), run_,
-                  [&](std::size_t v) { now_[v] = learned[v] + (now_[v] - learned[v]) * share; });
+         patches_.emplace(surface_, faces_, run_).measure(now_, take_widest) &&
+         fit(wide, options_.vertex_steps) && for_each(now_.size(), run_, [&](std::size_t v) {
+           now_[v] = learned[v] + (now_[v] - learned[v]) * share;
+         });
 }
 
 bool NormalCascade::against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const {

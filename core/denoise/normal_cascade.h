@@ -2,6 +2,7 @@
 // vertices moved to fit.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,7 +52,7 @@ class NormalCascade {
   bool unfold();
   bool give_back();
   bool keep_exact(std::span<const std::uint8_t> outlier);
-  bool average_heights(std::uint32_t rings);
+  bool average_over_rings(std::uint32_t rings, Buffer<float>& heights, Buffer<float>& next) const;
   bool against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const;
 
   const Surface& surface_;
@@ -60,9 +61,8 @@ class NormalCascade {
   const std::span<const NormalNetwork> networks_;
   const RunControl& run_;
   Faces faces_;
-  NormalPatches patches_;
+  std::optional<NormalPatches> patches_;  // only while normals are measured: finish() needs the memory
   Buffer<SimdVec3> predicted_, now_, next_;
-  Buffer<float> heights_, next_heights_, near_heights_;
   std::size_t stage_ = 0;
 };
 

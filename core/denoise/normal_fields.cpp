@@ -14,18 +14,20 @@ float difference(SimdVec3 a, SimdVec3 b) { return length(a - b); }
 
 bool NormalFields::start(const FacePatch& patch, std::span<const SimdVec3> positions) {
   patch_ = &patch;
-  const auto resize = [&](auto&... buffers) {
-    (buffers.clear(), ...);  // nothing to copy when they grow
-    (buffers.resize(patch.size()), ...);
-  };
-  resize(twice_areas_, centroids_, now_, next_, means_, evenness_, local_areas_, near_centroids_,
-         far_centroids_, fields_, regions_, next_regions_);
+  for_each_buffer([&](auto& buffer) {
+    buffer.clear();  // nothing to copy when it grows
+    buffer.resize(patch.size());
+  });
   return for_each(patch.size(), run(), [&](std::size_t f) {
     const auto face = patch.mesh().measured(positions, patch.face(f));
     fields_[f][0] = face.normal;
     twice_areas_[f] = face.twice_area;
     centroids_[f] = face.centroid;
   });
+}
+
+void NormalFields::release() {
+  for_each_buffer([](auto& buffer) { std::remove_reference_t<decltype(buffer)>().swap(buffer); });
 }
 
 bool NormalFields::copy(std::size_t field, Field& to, std::uint32_t rings) {

@@ -45,6 +45,8 @@ class NormalFields {
   bool measure(const FacePatch& patch, std::span<const SimdVec3> positions);
   /// Only what differences() needs. False when stopped.
   bool measure_differences(const FacePatch& patch, std::span<const SimdVec3> positions);
+  /// Gives their memory back until they are measured again.
+  void release();
 
   /// The patch's own faces; below, `face` counts them.
   std::size_t size() const { return patch_->own(); }
@@ -89,6 +91,14 @@ class NormalFields {
 
   std::span<const Index> neighbours(std::size_t face) const { return patch_->neighbours(face); }
   const RunControl& run() const { return patch_->mesh().run(); }
+
+  /// Calls act() with every buffer.
+  template <class Act>
+  void for_each_buffer(Act&& act) {
+    const auto each = [&](auto&... buffers) { (act(buffers), ...); };
+    each(twice_areas_, centroids_, now_, next_, means_, evenness_, local_areas_, near_centroids_,
+         far_centroids_, fields_, regions_, next_regions_);
+  }
 
   const float mean_edge_;
   const FacePatch* patch_ = nullptr;

@@ -69,6 +69,7 @@ bool NormalPatches::measure(std::span<const SimdVec3> positions, const Visit& vi
     }
     if (!visit(fields_)) return false;
   }
+  if (parts_ > 1) fields_.release();  // the mesh is large, and its vertices move next
   return !run_.stopped();
 }
 

@@ -74,7 +74,7 @@ Method learned_normals_method() {
                                "learned."),
           },
           kLearnedStages),
-      .work_memory = {.per_vertex = 128, .per_triangle = 68, .per_triangle_of_part = 456},
+      .work_memory = {.per_vertex = 96, .per_triangle = 60, .per_triangle_of_part = 456},
       .nanoseconds = 1800,
       .run = [](Surface& surface, const ParameterValues& values, const RunControl& run) {
         P params;

@@ -46,10 +46,10 @@ Faces::Faces(const Surface& surface, FaceNeighbourhood neighbourhood, const RunC
       orientation_(orientations(surface, run)),
       normals_(surface.mesh.triangles.size()),
       next_normals_(normals_.size()),
-      centroids_(normals_.size()),
       twice_areas_(normals_.size()) {}
 
 bool Faces::measure(std::span<const SimdVec3> positions) {
+  centroids_.resize(size());
   return for_each_block([&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const Measured face = measured(positions, f);
@@ -61,6 +61,7 @@ bool Faces::measure(std::span<const SimdVec3> positions) {
 }
 
 bool Faces::measure_centroids(std::span<const SimdVec3> positions) {
+  centroids_.resize(size());
   return for_each_block([&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) centroids_[f] = centroid_of(positions, f);
   });

@@ -52,6 +52,8 @@ class Faces {
   }
   /// Centroids alone, for normals that are kept while vertices move. False when stopped.
   bool measure_centroids(std::span<const SimdVec3> positions);
+  /// Gives their memory back until they are measured again.
+  void release_centroids() { Buffer<SimdVec3>().swap(centroids_); }
 
   /// Replaces every normal by next(f); `next` reads the old ones. False when stopped.
   template <class Next>
