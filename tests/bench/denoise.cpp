@@ -1,4 +1,5 @@
 // How well every method removes noise, beside the best that someone who knows the original gets out of it.
+// `l0` (l0.h), which is not one of the service's, takes part.
 //   denoise FOLDER            pairs FOLDER/NAME/{Original,Noisy}.obj
 //   denoise --procedural      our own shapes (tests/support/procedural.h) with seven kinds of noise
 //   denoise --paper FOLDER    clean models FOLDER/*.obj with 10 to 50% noise: adaptive and auto, which must
@@ -19,11 +20,22 @@
 
 #include "tests/bench/denoise_report.h"
 #include "tests/bench/denoise_sweep.h"
+#include "tests/bench/l0.h"
 #include "tests/bench/models.h"
 #include "tests/support/procedural.h"
 
 namespace burnish::bench {
 namespace {
+
+/// The registry's, and those that only this program has.
+const std::vector<Method>& all_methods() {
+  static const std::vector<Method> kMethods = [] {
+    std::vector<Method> all(methods().begin(), methods().end());
+    all.push_back(l0_method());
+    return all;
+  }();
+  return kMethods;
+}
 
 struct Options {
   std::filesystem::path folder, out = ".";
@@ -73,7 +85,7 @@ void measure_all(const Pair& pair, const Options& options, std::vector<Outcome>&
   std::fprintf(stderr, "%s %s\n", pair.group.c_str(), pair.name.c_str());
   outcomes.push_back(
       {pair.group, pair.name, "noisy", score_of(pair.noisy, pair.clean, options.threads), {}, {}});
-  for (const Method& method : methods()) {
+  for (const Method& method : all_methods()) {
     if (!options.wants(method.name)) continue;
     outcomes.push_back(measure(method, pair, options));
     const Outcome& o = outcomes.back();
@@ -200,7 +212,9 @@ std::vector<std::string> split(const std::string& list) {
       parts.back() += c;
     }
   }
-  for (const std::string& method : parts) expect(find_method(method), "--methods");
+  for (const std::string& method : parts) {
+    if (method != l0_method().name) expect(find_method(method), "--methods");
+  }
   return parts;
 }
 

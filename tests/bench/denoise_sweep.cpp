@@ -64,6 +64,8 @@ const std::multimap<std::string_view, std::vector<Axis>>& grids() {
       {"robust_normals",
        {numbers("iterations", {5, 10, 20, 40}), numbers("first_threshold", {0.9, 1.4}),
         numbers("second_threshold", {0.35, 0.5, 0.7}), numbers("vertex_steps", {4})}},
+      {"l0", {numbers("lambda", {0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.8}), numbers("alpha", {0, 0.1})}},
+      {"l0", {numbers("lambda", {0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.8}), numbers("mu", {1.19})}},
   };
   return kGrids;
 }
