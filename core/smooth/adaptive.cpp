@@ -65,6 +65,9 @@ class Adaptive {
 
  private:
   void move_tile(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
+    if (pays_to_fetch_ahead(from.size())) {
+      for (std::size_t v = begin; v < begin + kBlockSize; v += 4) fetch_ahead(from, to, v);
+    }
     const AdaptiveTiles::Tile& tile = (*tiles_)[begin];
     thread_local Buffer<Row> area_normals, planes;  // they stay for the next tile
     const std::size_t rows = tile.any_turned ? tile.turned(tile.triangles()) : tile.none() + 1;

@@ -19,11 +19,12 @@ SimdVec3 boundary_umbrella(const Surface& surface, std::span<const SimdVec3> pos
   return sum * 0.5F;
 }
 
-template <std::size_t kValence>
+template <std::size_t kValence, bool kFetchAhead>
 void step_group(const ValenceOrder::Group& group, float factor, std::span<const SimdVec3> from,
                 std::span<SimdVec3> to) {
   const std::uint32_t* row = group.neighbours.data();
   for (const Index v : group.vertices) {
+    if constexpr (kFetchAhead) fetch_ahead(from, to, v);
     SimdVec3 sum = at_doubled(from.data(), row[0]);
     for (std::size_t k = 1; k < kValence; ++k) sum += at_doubled(from.data(), row[k]);
     const SimdVec3 p = from[v];
@@ -37,9 +38,12 @@ void step_group(const ValenceOrder::Group& group, float factor, std::span<const 
 void UmbrellaStep::operator()(float factor, std::span<const SimdVec3> from, std::span<SimdVec3> to,
                               std::size_t begin) const {
   const Topology& topology = surface_.topology;
+  const bool ahead = pays_to_fetch_ahead(from.size());
   order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
-    with_constant_valence(group.valence,
-                          [&]<std::size_t kValence>() { step_group<kValence>(group, factor, from, to); });
+    with_constant_valence(group.valence, [&]<std::size_t kValence>() {
+      ahead ? step_group<kValence, true>(group, factor, from, to)
+            : step_group<kValence, false>(group, factor, from, to);
+    });
     if (group.valence != ValenceOrder::kOther) return;
     for (const Index v : group.vertices) {
       const SimdVec3 u = topology.has(v, kBoundaryVertex) ? boundary_umbrella(surface_, from, v)

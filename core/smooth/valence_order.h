@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/simd_vec3.h"
 #include "core/mesh/topology.h"
 #include "core/run/buffer.h"
 #include "core/run/parallel.h"
@@ -61,6 +62,16 @@ template <class Item>
 const Item& at_doubled(const Item* items, std::uint32_t index) {
   static_assert(sizeof(Item) == 16);
   return *reinterpret_cast<const Item*>(reinterpret_cast<const char*>(items) + std::size_t{8} * index);
+}
+
+/// From so many vertices on, whose positions leave the caches between two iterations, fetch_ahead() pays.
+constexpr bool pays_to_fetch_ahead(std::size_t vertices) { return vertices > std::size_t{1} << 18; }
+
+/// Asks for what the next blocks will read and write: the order by valence and the neighbours beyond a
+/// block's rim are no pattern that the processor would guess.
+inline void fetch_ahead(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t v) {
+  __builtin_prefetch(from.data() + v + 2 * kBlockSize);
+  __builtin_prefetch(to.data() + v + kBlockSize);
 }
 
 /// Calls body.template operator()<valence>() with the group's valence as a constant.

@@ -5,6 +5,7 @@
 #include "core/smooth/laplacian.h"
 #include "core/smooth/mean_curvature_flow.h"
 #include "core/smooth/taubin.h"
+#include "core/smooth/valence_order.h"
 #include "tests/support/compared.h"
 #include "tests/support/oracle.h"
 
@@ -75,6 +76,19 @@ TEST_P(Oracle, AgreesWithAdaptiveInEveryVariant) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Iterations, Oracle, ::testing::Values(1, 20));
+
+/// What is fetched ahead lies beyond the end of the last blocks.
+TEST(Oracle, AgreesWithWhatIsFetchedAheadOnLargeMeshes) {
+  constexpr double kTolerance = 2e-4;  // a diagonal of 730 edges
+  const Shape shape = with_noise(grid(515), 0.1);
+  ASSERT_TRUE(pays_to_fetch_ahead(shape.positions.size()));
+  const auto laplacian = [](Surface& s, const IterationOptions& o) { return smooth_laplacian(s, {}, o, {}); };
+  const auto adaptive = [](Surface& s, const IterationOptions& o) { return smooth_adaptive(s, {}, o, {}); };
+  EXPECT_LT(deviation(shape, smoothed(shape, laplacian, {.iterations = 1}), oracle_laplacian(shape, 0.5, 1)),
+            kTolerance);
+  EXPECT_LT(deviation(shape, smoothed(shape, adaptive, {.iterations = 1}), oracle_adaptive(shape, {}, 1)),
+            kTolerance);
+}
 
 TEST(Adaptive, CoefficientGrowsAndIsBounded) {
   using P = AdaptiveParams;
