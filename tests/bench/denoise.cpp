@@ -5,8 +5,9 @@
 //   denoise --paper FOLDER    clean models FOLDER/*.obj with 10 to 50% noise: adaptive and auto, which must
 //                             not be worse than the input, nor than adaptive by more than 2%
 // Options: --out DIR (denoise.csv and denoise.svg; default: the working folder), --sweep (a grid of settings
-// per method, denoise_sweep.cpp), --methods a,b, --seeds N (of noise and shape; 1, for --paper 3), --threads
-// N (1), --resolution N (triangles of procedural shapes, 10000).
+// per method, denoise_sweep.cpp), --methods a,b, --seeds N (of noise and shape; 1, for --paper 3),
+// --first-seed N (1; the networks saw procedural shapes of seeds 1 to 4), --threads N (1), --resolution N
+// (triangles of procedural shapes, 10000).
 //
 // Ev is Eq. 9 of the paper: area-weighted root mean square distance of the result's vertices to the nearest
 // point of the original's nearest triangle; h is the ORIGINAL's mean edge length, as in `burnish compare`.
@@ -41,7 +42,7 @@ struct Options {
   std::filesystem::path folder, out = ".";
   bool procedural = false, paper = false, sweep = false;
   std::vector<std::string> methods;  // empty: all
-  unsigned seeds = 0, threads = 1, resolution = 10'000;
+  unsigned seeds = 0, first_seed = 1, threads = 1, resolution = 10'000;
 
   bool wants(const std::string& method) const {
     return methods.empty() || std::ranges::find(methods, method) != methods.end();
@@ -133,7 +134,7 @@ const char* family_name(testing::Family family) {
 }
 
 void measure_procedural(const Options& options, std::vector<Outcome>& outcomes) {
-  for (unsigned seed = 1; seed <= std::max(1U, options.seeds); ++seed) {
+  for (unsigned seed = options.first_seed; seed < options.first_seed + std::max(1U, options.seeds); ++seed) {
     for (auto& shape : testing::procedural_shapes(seed, options.resolution)) {
       const Model model = model_of(shape.name + " " + std::to_string(seed), std::move(shape.shape));
       for (const auto& [name, noise] : kNoises) {
@@ -192,7 +193,7 @@ bool measure_paper(const Options& options) {
 [[noreturn]] void usage() {
   std::fprintf(stderr,
                "usage: denoise FOLDER | --procedural | --paper FOLDER  [--out DIR] [--sweep] [--methods a,b] "
-               "[--seeds N] [--threads N] [--resolution N]\n");
+               "[--seeds N] [--first-seed N] [--threads N] [--resolution N]\n");
   std::exit(2);
 }
 
@@ -235,6 +236,8 @@ Options parse(int count, char** arguments) {
       options.methods = split(value());
     } else if (name == "--seeds") {
       options.seeds = number_of(value());
+    } else if (name == "--first-seed") {
+      options.first_seed = number_of(value());
     } else if (name == "--threads") {
       options.threads = number_of(value());
     } else if (name == "--resolution") {

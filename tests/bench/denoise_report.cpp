@@ -72,7 +72,7 @@ void print_table(const std::vector<Outcome>& outcomes, const char* title, int di
   std::printf("\n");
 }
 
-constexpr int kNames = 190, kPanel = 210, kGap = 24, kRow = 18, kHead = 46, kAcross = 5;
+constexpr int kNames = 216, kPanel = 210, kGap = 24, kRow = 18, kHead = 46, kAcross = 5;
 
 /// One panel with its bars; (x, y) is its top left corner.
 void draw_panel(std::ostream& out, const std::vector<Outcome>& outcomes, const std::string& group,
