@@ -4,6 +4,7 @@
 
 #include "core/denoise/facets.h"
 #include "core/denoise/outliers.h"
+#include "core/denoise/planes.h"
 #include "core/denoise/surface_class.h"
 
 namespace burnish {
@@ -133,11 +134,15 @@ bool NormalCascade::finish() {
     if (!for_each(now_.size(), run_, measure)) return false;
     if (find_outliers(surface_.topology, movable_, moves, outlier, run_)) return keep_exact(outlier);
   }
-  if (options_.facet_steps == 0) return true;
-  faces_.swap_normals(predicted_);  // it measures them anew: predicted_ is but memory now
-  const bool done = smooth_facets(faces_, movable_, options_.facet_steps, now_, next_);
-  faces_.swap_normals(predicted_);
-  return done;
+  if (options_.facet_steps > 0) {
+    faces_.swap_normals(predicted_);  // measured anew there: predicted_ is but memory now
+    const bool smoothed = smooth_facets(faces_, movable_, options_.facet_steps, now_, next_);
+    faces_.swap_normals(predicted_);
+    if (!smoothed) return false;
+  }
+  faces_.release_centroids();
+  return options_.plane_steps == 0 ||
+         settle_on_planes(faces_, movable_, options_.plane_steps, predicted_, now_, next_);
 }
 
 /// Where no corner is off, the scan's own normals are the best; outliers move to fit those and the predicted

@@ -19,6 +19,7 @@ struct CascadeOptions {
   /// nothing back.
   std::uint32_t give_back = 3, give_back_flat = 30;
   std::uint32_t facet_steps = 10;  ///< of finish(), see smooth_facets()
+  std::uint32_t plane_steps = 20;  ///< of finish(), see settle_on_planes()
   bool only_outliers = false;  ///< of finish(): vertices that do not stand out stay where the scan has them
 };
 

@@ -14,6 +14,7 @@ Result<SmoothOutcome> smooth_learned_normals(Surface& surface, const LearnedNorm
       .give_back = params.give_back,
       .give_back_flat = params.give_back_flat,
       .facet_steps = params.facet_steps,
+      .plane_steps = params.plane_steps,
       .only_outliers = params.moves == LearnedNormalsParams::Moves::Outliers};
   const float strength = static_cast<float>(params.strength);
   std::optional<NormalCascade> cascade;  // takes memory that no stage at all does not need
@@ -66,6 +67,9 @@ Method learned_normals_method() {
               count_parameter("facet_steps", kDefaults.facet_steps, 0, 100,
                               "How often, after the last stage, normals are filtered bilaterally where the "
                               "surface is flat between sharp edges."),
+              count_parameter("plane_steps", kDefaults.plane_steps, 0, 100,
+                              "How often, after that, vertices move onto the planes that the surface is made "
+                              "of, and their edges; 0: it need not have planes."),
               choice_parameter("moves", {"all", "outliers"},
                                "Whether all vertices move, or only those that stand out from their "
                                "neighbours, as impulsive noise leaves them."),
@@ -82,6 +86,7 @@ Method learned_normals_method() {
         params.give_back = static_cast<std::uint32_t>(values.integer("give_back"));
         params.give_back_flat = static_cast<std::uint32_t>(values.integer("give_back_flat"));
         params.facet_steps = static_cast<std::uint32_t>(values.integer("facet_steps"));
+        params.plane_steps = static_cast<std::uint32_t>(values.integer("plane_steps"));
         if (values.choice("moves") == "outliers") params.moves = P::Moves::Outliers;
         params.strength = values.number("strength");
         return smooth_learned_normals(surface, params, iteration_options(values, surface), run);
