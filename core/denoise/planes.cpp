@@ -225,11 +225,15 @@ bool settle_on_planes(Faces& faces, std::span<const std::uint8_t> movable, std::
     going = for_each(faces.size(), run, [&](std::size_t f) {
       if (const Plane* plane = planes[static_cast<Index>(f)]) normals[f] = plane->normal;
     });
+    std::vector<Index> settling;
+    for (std::size_t v = 0; v < movable.size(); ++v) {
+      if (movable[v] != 0 && std::ranges::any_of(vertex_faces[v], on_plane))
+        settling.push_back(static_cast<Index>(v));
+    }
     for (std::uint32_t step = 0; going && step < steps; ++step) {
-      going = for_each(now.size(), run, [&](std::size_t v) {
+      going = for_each(settling.size(), run, [&](std::size_t i) {
+        const Index v = settling[i];
         const auto around = vertex_faces[v];
-        next[v] = now[v];
-        if (movable[v] == 0 || std::ranges::none_of(around, on_plane)) return;
         SimdVec3 sum;
         for (const Index f : around) {
           const Plane* plane = planes[f];
@@ -240,13 +244,15 @@ bool settle_on_planes(Faces& faces, std::span<const std::uint8_t> movable, std::
       });
       now.swap(next);
     }
+    going =
+        going && for_each(settling.size(), run, [&](std::size_t i) { next[settling[i]] = now[settling[i]]; });
     going = going && for_each(faces.size(), run, [&](std::size_t f) {
               if (round + 1 < kRounds || planes[static_cast<Index>(f)] == nullptr) {
                 normals[f] = faces.measured(now, f).normal;
               }
             });
   }
-  return going && for_each(now.size(), run, [&](std::size_t v) { next[v] = now[v]; });
+  return going;
 }
 
 }  // namespace burnish
