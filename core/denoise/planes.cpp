@@ -71,7 +71,7 @@ class Planes {
       for (const Index f : part_) plane_at_[f] = static_cast<Index>(planes_.size());
       planes_.push_back(*plane);
     }
-    return true;
+    return !faces_.run().stopped();
   }
 
   bool empty() const { return planes_.empty(); }
@@ -115,17 +115,26 @@ class Planes {
     return true;
   }
 
+  /// What was computed when it stopped means nothing.
+  template <class Visit>
+  void for_each_until_stopped(std::span<const Index> part, Visit&& visit) const {
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      if (i % kBlockSize == kBlockSize - 1 && faces_.run().stopped()) return;
+      visit(part[i]);
+    }
+  }
+
   struct Mean {
     SimdVec3 area_normal;
     double twice_area = 0;
   };
   Mean mean_of(std::span<const Index> part) const {
     Mean mean;
-    for (const Index f : part) {
+    for_each_until_stopped(part, [&](Index f) {
       const auto face = faces_.measured(positions_, f);
       mean.area_normal += face.normal * face.twice_area;
       mean.twice_area += static_cast<double>(face.twice_area);
-    }
+    });
     return mean;
   }
 
@@ -167,14 +176,14 @@ class Planes {
     const Eigen::Vector3d along_x = normal.unitOrthogonal(), along_y = normal.cross(along_x);
     const double scale = 1 / std::sqrt(twice_area);
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const Index f : part) {
+    for_each_until_stopped(part, [&](Index f) {
       const auto face = faces_.measured(positions_, f);
       centre += to_eigen(face.centroid) * (static_cast<double>(face.twice_area) / twice_area);
-    }
+    });
     Eigen::Matrix<double, 6, 6> products = Eigen::Matrix<double, 6, 6>::Zero();
     Terms with_height = Terms::Zero();
     double heights = 0, scan_heights = 0;  // mean squares
-    for (const Index f : part) {
+    for_each_until_stopped(part, [&](Index f) {
       const auto face = faces_.measured(positions_, f);
       const Eigen::Vector3d way = (to_eigen(face.centroid) - centre) * scale;
       const double x = way.dot(along_x), y = way.dot(along_y), z = way.dot(normal);
@@ -187,7 +196,7 @@ class Planes {
         const double off = (to_eigen(SimdVec3(scan.positions[corner])) - centre).dot(normal) * scale;
         scan_heights += weight / 3 * off * off;
       }
-    }
+    });
     const Eigen::Vector3d plane = products.topLeftCorner<3, 3>().ldlt().solve(with_height.head<3>());
     const double tilted = plane.dot(with_height.head<3>());
     products.diagonal().tail<3>().array() += 1e-9;  // a strip has no second curvature
