@@ -182,7 +182,7 @@ class Planes {
     });
     Eigen::Matrix<double, 6, 6> products = Eigen::Matrix<double, 6, 6>::Zero();
     Terms with_height = Terms::Zero();
-    double heights = 0, scan_heights = 0;  // mean squares
+    double scan_heights = 0;  // mean of squares
     for_each_until_stopped(part, [&](Index f) {
       const auto face = faces_.measured(positions_, f);
       const Eigen::Vector3d way = (to_eigen(face.centroid) - centre) * scale;
@@ -191,7 +191,6 @@ class Planes {
       const double weight = static_cast<double>(face.twice_area) / twice_area;
       products += weight * terms * terms.transpose();
       with_height += weight * z * terms;
-      heights += weight * z * z;
       for (const Index corner : scan.triangles[f]) {
         const double off = (to_eigen(SimdVec3(scan.positions[corner])) - centre).dot(normal) * scale;
         scan_heights += weight / 3 * off * off;

@@ -99,8 +99,7 @@ Method auto_method() {
       .reference = "see learned_normals",
       .formula =
           "strength' = strength s((sigma/h - 0.03) / 0.015),  s(x) = x^2 (3 - 2 x) for x within 0 to 1; "
-          "strength' "
-          "= strength for impulsive noise",
+          "strength' = strength for impulsive noise",
       .parameters = with_iteration_parameters(
           {number_parameter("strength", kDefaults.strength, 0, 2, "1",
                             "0 leaves the mesh as it is, 1 takes away what looks like noise, 2 more.")},

@@ -20,8 +20,8 @@ struct LearnedNormalsParams {
   /// After the last stage, filterings of the normals where the surface is made of facets, see
   /// smooth_facets(); 0 to 100.
   std::uint32_t facet_steps = 10;
-  std::uint32_t plane_steps =
-      20;  ///< of the vertices onto planes after that, see settle_on_planes(); 0 to 100
+  /// After that, moves of the vertices onto the surface's planes, see settle_on_planes(); 0 to 100.
+  std::uint32_t plane_steps = 20;
   /// Which vertices move: all, or only those that stand out, while the others stay to the bit. For impulsive
   /// noise, which leaves most vertices where they belong; see find_outliers().
   enum class Moves : std::uint8_t { All, Outliers } moves = Moves::All;
