@@ -134,15 +134,17 @@ bool NormalCascade::finish() {
     if (!for_each(now_.size(), run_, measure)) return false;
     if (find_outliers(surface_.topology, movable_, moves, outlier, run_)) return keep_exact(outlier);
   }
+  // Not in predicted_: what the surface has become is no measure of whether triangles turned against it.
+  Buffer<SimdVec3> normals(faces_.size());
   if (options_.facet_steps > 0) {
-    faces_.swap_normals(predicted_);  // measured anew there: predicted_ is but memory now
-    const bool smoothed = smooth_facets(faces_, movable_, options_.facet_steps, now_, next_);
-    faces_.swap_normals(predicted_);
-    if (!smoothed) return false;
+    if (!smooth_facets(faces_, movable_, options_.facet_steps, now_, next_)) return false;
+    faces_.swap_normals(normals);
+  } else if (!for_each(normals.size(), run_, [&](std::size_t f) { normals[f] = predicted_[f]; })) {
+    return false;
   }
   faces_.release_centroids();
   return options_.plane_steps == 0 ||
-         settle_on_planes(faces_, movable_, options_.plane_steps, predicted_, now_, next_);
+         settle_on_planes(faces_, movable_, options_.plane_steps, normals, now_, next_);
 }
 
 /// Where no corner is off, the scan's own normals are the best; outliers move to fit those and the predicted

@@ -204,6 +204,18 @@ TEST(LearnedNormals, TurnNoTriangleAgainstWhatTheySee) {
   }
 }
 
+/// By the normals of the surface that the last steps made, 110 were.
+TEST(LearnedNormals, TellTurnsByWhatTheyPredicted) {
+  std::uint64_t turned = 0;
+  for (const char* name : {"gem", "stairs", "bracket", "relief", "gear", "hair"}) {
+    const Surface clean = shape_named(name);
+    Surface surface = noisy(clean, 0.6);
+    run(surface, "learned_normals");
+    turned += flipped(surface, clean);
+  }
+  EXPECT_LT(turned, 95U);
+}
+
 TEST(NormalNetworks, AreOnePerStage) { EXPECT_EQ(normal_networks().size(), kLearnedStages); }
 
 }  // namespace
