@@ -4,17 +4,17 @@
 #include <optional>
 #include <utility>
 
-#include "server/grpc/upload_call.h"
+#include "server/grpc/stream_call.h"
 
 namespace burnish {
 namespace {
 
 using Reactor = grpc::ServerReadReactor<grpc::ByteBuffer>;
 
-class CompareStream final : public UploadCall<Reactor> {
+class CompareStream final : public StreamCall<Reactor> {
  public:
   CompareStream(CallHome& home, grpc::CallbackServerContext& context, grpc::ByteBuffer& response)
-      : UploadCall(home, Kind::Compare, context), response_(response) {}
+      : StreamCall(home, Kind::Compare, context), response_(response) {}
 
  private:
   Result<> take(grpc::ByteBuffer& bytes) override {
@@ -42,7 +42,7 @@ class CompareStream final : public UploadCall<Reactor> {
 
   bool needs_reference() const override { return true; }
 
-  std::optional<JobHandle> submit(std::shared_ptr<Upload> upload) override {
+  std::optional<JobHandle> submit_upload(std::shared_ptr<Upload> upload) override {
     const auto self = std::static_pointer_cast<CompareStream>(shared_from_this());
     CompareJob job = std::move(job_);
     job.reference = upload->reference();

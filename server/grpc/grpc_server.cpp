@@ -99,6 +99,7 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(const Config& config, Jobs
   int port = 0;
   builder.AddListeningPort(config.grpc_listen.text(), credentials(config.tls), &port);
   builder.RegisterService(&result->handler_);
+  builder.RegisterCallbackGenericService(&result->unary_calls_);
   builder.RegisterService(&result->jobs_handler_);
   builder.RegisterService(&result->uploads_handler_);
   set_limits(builder, config);

@@ -10,6 +10,7 @@
 #include "server/config.h"
 #include "server/grpc/jobs_handler.h"
 #include "server/grpc/smoothing_handler.h"
+#include "server/grpc/unary.h"
 #include "server/grpc/uploads_handler.h"
 
 namespace burnish {
@@ -42,10 +43,12 @@ class GrpcServer {
  private:
   GrpcServer(Jobs& jobs, DurableJobs& durable_jobs, Uploads& uploads, const CallLimits& limits)
       : handler_(jobs, limits),
+        unary_calls_(handler_.home()),
         jobs_handler_(handler_.home(), durable_jobs),
         uploads_handler_(handler_.home(), uploads) {}
 
   SmoothingHandler handler_;
+  UnaryCalls unary_calls_;
   JobsHandler jobs_handler_;
   UploadsHandler uploads_handler_;
   Address address_;

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/grpc/upload_call.h"
+#include "server/grpc/stream_call.h"
 
 namespace burnish {
 namespace {
@@ -17,10 +17,10 @@ using Reactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 constexpr std::chrono::milliseconds kProgressEvery{50};
 
-class SmoothStream final : public UploadCall<Reactor> {
+class SmoothStream final : public StreamCall<Reactor> {
  public:
   SmoothStream(CallHome& home, grpc::CallbackServerContext& context)
-      : UploadCall(home, Kind::Smooth, context) {}
+      : StreamCall(home, Kind::Smooth, context) {}
 
   void OnWriteDone(bool ok) override {
     const std::lock_guard lock(mutex_);
@@ -59,7 +59,7 @@ class SmoothStream final : public UploadCall<Reactor> {
 
   bool needs_reference() const override { return false; }
 
-  std::optional<JobHandle> submit(std::shared_ptr<Upload> upload) override {
+  std::optional<JobHandle> submit_upload(std::shared_ptr<Upload> upload) override {
     const auto self = std::static_pointer_cast<SmoothStream>(shared_from_this());
     SmoothJob job = std::move(job_);
     job.mesh = upload->mesh();

@@ -6,32 +6,18 @@
 #include "server/grpc/grpc_status.h"
 #include "server/grpc/messages.h"
 #include "server/grpc/smooth_stream.h"
-#include "server/grpc/unary.h"
 
 namespace burnish {
 namespace {
 
-/// The request is the call's own object, which gRPC never reads again: whoever parses it may free its memory
-/// instead of keeping every mesh twice while its job waits.
+/// The request is the call's own object, which gRPC never reads again.
 grpc::ByteBuffer& own(const grpc::ByteBuffer* request) { return *const_cast<grpc::ByteBuffer*>(request); }
 
 }  // namespace
 
-grpc::ServerUnaryReactor* SmoothingHandler::Smooth(grpc::CallbackServerContext* context,
-                                                   const grpc::ByteBuffer* request,
-                                                   grpc::ByteBuffer* response) {
-  return smooth_unary(home_, *context, own(request), *response);
-}
-
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SmoothingHandler::SmoothStream(
     grpc::CallbackServerContext* context) {
   return smooth_stream(home_, *context);
-}
-
-grpc::ServerUnaryReactor* SmoothingHandler::Compare(grpc::CallbackServerContext* context,
-                                                    const grpc::ByteBuffer* request,
-                                                    grpc::ByteBuffer* response) {
-  return compare_unary(home_, *context, own(request), *response);
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* SmoothingHandler::CompareStream(

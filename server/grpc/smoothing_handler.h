@@ -6,11 +6,11 @@
 
 namespace burnish {
 
-/// Every method gets its requests as bytes; messages.h says why.
+/// Every method gets its requests as bytes; messages.h says why. Smooth and Compare are in unary.h.
 template <class Service>
-using WithRawMethods = typename Service::template WithRawCallbackMethod_Smooth<
+using WithRawMethods = typename Service::template WithGenericMethod_Smooth<
     typename Service::template WithRawCallbackMethod_SmoothStream<
-        typename Service::template WithRawCallbackMethod_Compare<
+        typename Service::template WithGenericMethod_Compare<
             typename Service::template WithRawCallbackMethod_CompareStream<
                 typename Service::template WithRawCallbackMethod_ListMethods<typename Service::Service>>>>>;
 
@@ -18,12 +18,8 @@ class SmoothingHandler final : public WithRawMethods<v1::SmoothingService> {
  public:
   SmoothingHandler(Jobs& jobs, const CallLimits& limits) : home_{jobs, limits} {}
 
-  grpc::ServerUnaryReactor* Smooth(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
-                                   grpc::ByteBuffer* response) override;
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SmoothStream(
       grpc::CallbackServerContext* context) override;
-  grpc::ServerUnaryReactor* Compare(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
-                                    grpc::ByteBuffer* response) override;
   grpc::ServerReadReactor<grpc::ByteBuffer>* CompareStream(grpc::CallbackServerContext* context,
                                                            grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* ListMethods(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,

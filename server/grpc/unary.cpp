@@ -1,18 +1,23 @@
 #include "server/grpc/unary.h"
 
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <utility>
 
-#include "server/grpc/grpc_status.h"
-#include "server/grpc/messages.h"
+#include "burnish/v1/smoothing.grpc.pb.h"
+#include "server/grpc/upload_call.h"
+#include "server/observe/log.h"
 
 namespace burnish {
 namespace {
 
+using Reactor = grpc::ServerGenericBidiReactor;
+using std::chrono::milliseconds;
+
 struct Smooth {
   using Request = v1::SmoothRequest;
   using Answer = SmoothResult;
+  using Job = SmoothJob;
   static constexpr Kind kKind = Kind::Smooth;
   static constexpr std::string_view kAdvice = "use SmoothStream";
   static constexpr auto kSubmit = &Jobs::smooth;
@@ -30,6 +35,7 @@ struct Smooth {
 struct Compare {
   using Request = v1::CompareRequest;
   using Answer = v1::CompareResponse;
+  using Job = CompareJob;
   static constexpr Kind kKind = Kind::Compare;
   static constexpr std::string_view kAdvice = "use CompareStream";
   static constexpr auto kSubmit = &Jobs::compare;
@@ -43,78 +49,76 @@ struct Compare {
   }
 };
 
-/// One call. gRPC keeps the response until OnDone, which comes after Finish and after every reaction.
 template <class Rpc>
-class UnaryCall final : public grpc::ServerUnaryReactor {
+class UnaryCall final : public UploadCall<Reactor> {
  public:
+  /// Idle for ever: nobody tells how much of the one message has come, and a slow one is not idle.
   UnaryCall(CallHome& home, grpc::CallbackServerContext& context)
-      : home_(home), caller_(caller_of(context, Rpc::kKind, home.jobs)) {
-    home_.calls.enter();
-  }
-
-  /// Called within the handler, before gRPC knows the reactor: a Finish is held back until the handler
-  /// returned.
-  void start(grpc::ByteBuffer& bytes, grpc::ByteBuffer& response) {
-    if (caller_.refusal) return refuse(*caller_.refusal);
-    const auto request = std::make_shared<typename Rpc::Request>();
-    const MessageLimit limit{home_.limits.max_message_bytes, "the request", "a unary call", Rpc::kAdvice};
-    if (auto parsed = parse(bytes, limit, *request); !parsed) return refuse(parsed.error());
-    auto job = Rpc::job(*request);
-    if (!job) return refuse(job.error());
-    auto done = [this, &response, request](Result<typename Rpc::Answer> result) {
-      if (!result) return Finish(to_grpc_status(result.error(), caller_.request_id));
-      response = serialise(std::move(*result));
-      Finish(grpc::Status::OK);
-    };
-    auto handle = (home_.jobs.*Rpc::kSubmit)(caller_, std::move(*job), std::move(done));
-    const std::lock_guard lock(mutex_);
-    handle_ = std::move(handle);
-  }
-
-  void OnCancel() override {
-    // The job sees its deadline itself and says so.
-    if (deadline_passed(caller_)) return;
-    std::unique_lock lock(mutex_);
-    auto handle = handle_;
-    lock.unlock();
-    if (handle) handle->cancel();
-  }
-
-  void OnDone() override {
-    home_.calls.leave();
-    delete this;
-  }
+      : UploadCall(home, Rpc::kKind, context, milliseconds::zero()) {}
 
  private:
-  void refuse(const Error& error) {
-    home_.jobs.record_refusal(caller_, error);
-    Finish(to_grpc_status(error, caller_.request_id));
+  Result<> take(grpc::ByteBuffer& bytes) override {
+    if (request_) return Error{Cause::BadRequest, "a unary call has one message, and a second one came"};
+    request_ = std::make_shared<typename Rpc::Request>();
+    const MessageLimit limit{home_.limits.max_message_bytes, "the request", "a unary call", Rpc::kAdvice};
+    if (auto parsed = parse(bytes, limit, *request_); !parsed) return parsed;
+    auto job = Rpc::job(*request_);
+    if (!job) return std::move(job).error();
+    job_ = std::move(job).value();
+    return {};
   }
 
-  CallHome& home_;
-  const Caller caller_;
-  std::mutex mutex_;
-  std::optional<JobHandle> handle_;  ///< guarded by mutex_
+  Result<> finish_upload() override {
+    if (!request_) return Error{Cause::BadRequest, "the call ended before its message"};
+    return {};
+  }
+
+  void drop_upload() override { request_.reset(); }
+
+  std::optional<JobHandle> submit() override {
+    const auto self = std::static_pointer_cast<UnaryCall>(shared_from_this());
+    return (home_.jobs.*Rpc::kSubmit)(
+        caller_, std::move(job_), [self, request = std::move(request_)](Result<typename Rpc::Answer> result) {
+          self->answer(std::move(result));
+        });
+  }
+
+  void answer(Result<typename Rpc::Answer> result) {
+    const std::lock_guard lock(mutex_);
+    if (!result) return finish(status_of_error(result.error()));
+    response_ = serialise(std::move(*result));
+    phase_ = Phase::Finished;
+    StartWriteAndFinish(&response_, grpc::WriteOptions(), grpc::Status::OK);
+  }
+
+  std::shared_ptr<typename Rpc::Request> request_;  ///< the job's views point to it
+  typename Rpc::Job job_;
+  grpc::ByteBuffer response_;
 };
 
+class UnknownMethod final : public Reactor {
+ public:
+  explicit UnknownMethod(const std::string& method) {
+    Finish({grpc::StatusCode::UNIMPLEMENTED, "there is no method " + printable(method, 100)});
+  }
+  void OnDone() override { delete this; }
+};
+
+/// Keeps itself until OnDone.
 template <class Rpc>
-grpc::ServerUnaryReactor* serve(CallHome& home, grpc::CallbackServerContext& context,
-                                grpc::ByteBuffer& request, grpc::ByteBuffer& response) {
-  auto* call = new UnaryCall<Rpc>(home, context);  // deletes itself in OnDone
-  call->start(request, response);
-  return call;
+Reactor* serve(CallHome& home, grpc::CallbackServerContext& context) {
+  const auto call = std::make_shared<UnaryCall<Rpc>>(home, context);
+  call->begin();
+  return call.get();
 }
 
 }  // namespace
 
-grpc::ServerUnaryReactor* smooth_unary(CallHome& home, grpc::CallbackServerContext& context,
-                                       grpc::ByteBuffer& request, grpc::ByteBuffer& response) {
-  return serve<Smooth>(home, context, request, response);
-}
-
-grpc::ServerUnaryReactor* compare_unary(CallHome& home, grpc::CallbackServerContext& context,
-                                        grpc::ByteBuffer& request, grpc::ByteBuffer& response) {
-  return serve<Compare>(home, context, request, response);
+Reactor* UnaryCalls::CreateReactor(grpc::GenericCallbackServerContext* context) {
+  const std::string service = std::string("/") + v1::SmoothingService::service_full_name() + "/";
+  if (context->method() == service + "Smooth") return serve<Smooth>(home_, *context);
+  if (context->method() == service + "Compare") return serve<Compare>(home_, *context);
+  return new UnknownMethod(context->method());
 }
 
 }  // namespace burnish

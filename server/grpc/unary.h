@@ -1,17 +1,23 @@
 // Smooth and Compare: one message in, one out.
 #pragma once
 
-#include <grpcpp/support/byte_buffer.h>
-#include <grpcpp/support/server_callback.h>
+#include <grpcpp/generic/async_generic_service.h>
 
 #include "server/grpc/call.h"
 
 namespace burnish {
 
-/// Both give a reactor that deletes itself. `request` and `response` belong to gRPC and live as long as it.
-grpc::ServerUnaryReactor* smooth_unary(CallHome& home, grpc::CallbackServerContext& context,
-                                       grpc::ByteBuffer& request, grpc::ByteBuffer& response);
-grpc::ServerUnaryReactor* compare_unary(CallHome& home, grpc::CallbackServerContext& context,
-                                        grpc::ByteBuffer& request, grpc::ByteBuffer& response);
+/// As what a unary call is on the wire: a stream with one message each way. gRPC hands over a call that is
+/// registered as unary when its message is here, but a refusal must not wait for one, nor hold its memory.
+/// Any other method that nobody serves comes here as well, and is told so.
+class UnaryCalls final : public grpc::CallbackGenericService {
+ public:
+  explicit UnaryCalls(CallHome& home) : home_(home) {}
+
+  grpc::ServerGenericBidiReactor* CreateReactor(grpc::GenericCallbackServerContext* context) override;
+
+ private:
+  CallHome& home_;
+};
 
 }  // namespace burnish

@@ -1,8 +1,7 @@
-// The half that SmoothStream and CompareStream share: bytes come in until the caller has no more, then there
-// is a job, then an answer.
+// The half that all calls with a mesh share: bytes come in until the caller has no more, then there is a job,
+// then an answer.
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -18,12 +17,8 @@
 #include "server/grpc/grpc_status.h"
 #include "server/grpc/messages.h"
 #include "server/grpc/timer.h"
-#include "server/grpc/upload.h"
 
 namespace burnish {
-
-/// A small limit for unary calls must not keep streams from sending chunks of 1 MiB.
-inline constexpr std::uint64_t kLeastStreamMessage = std::uint64_t{2} << 20;
 
 /// `Reactor` is gRPC's for the kind of the call. Reactions, the job's worker, the timer and the server's stop
 /// come on threads of their own; mutex_ puts them in order, and phase_ says what each may still do. gRPC
@@ -33,11 +28,9 @@ class UploadCall : public Reactor,
                    public OpenUpload,
                    public std::enable_shared_from_this<UploadCall<Reactor>> {
  public:
-  UploadCall(CallHome& home, Kind kind, grpc::CallbackServerContext& context)
-      : home_(home),
-        caller_(caller_of(context, kind, home.jobs)),
-        upload_(std::make_shared<Upload>(home.jobs.spool(), home.jobs.limits().mesh.max_bytes)),
-        context_(context) {
+  /// `idle`: how long its caller may neither send a message nor take one; 0: for ever.
+  UploadCall(CallHome& home, Kind kind, grpc::CallbackServerContext& context, std::chrono::milliseconds idle)
+      : home_(home), caller_(caller_of(context, kind, home.jobs)), idle_(idle), context_(context) {
     home_.calls.enter();
   }
 
@@ -48,8 +41,8 @@ class UploadCall : public Reactor,
     const std::lock_guard lock(mutex_);
     if (phase_ != Phase::Uploading) return;
     // Before the first byte, and after the server can find this call: one that stops misses none.
-    if (auto chance = home_.jobs.expect(caller_, 0, 0); !chance) return end(chance.error());
-    watch(home_.limits.idle);
+    if (auto chance = home_.jobs.let_come(caller_, 0, 0); !chance) return end(chance.error());
+    if (idle_.count() > 0) watch(idle_);
     this->StartRead(&in_);
   }
 
@@ -64,7 +57,7 @@ class UploadCall : public Reactor,
     moved_at_ = Clock::now();
     if (!ok) {
       if (context_.IsCancelled()) return end(cancelled(deadline_passed(caller_)));
-      if (auto whole = upload_->finish(needs_reference()); !whole) return end(whole.error());
+      if (auto whole = finish_upload(); !whole) return end(whole.error());
       run(lock);
     } else if (auto taken = take(in_); !taken) {
       end(taken.error());
@@ -102,18 +95,12 @@ class UploadCall : public Reactor,
   /// the status. Done: gRPC has forgotten the call.
   enum class Phase : std::uint8_t { Uploading, Running, Answering, Finished, Done };
 
-  // All with the lock, except submit().
+  // All with the lock, except submit(), after which nobody else looks at what was uploaded.
   virtual Result<> take(grpc::ByteBuffer& message) = 0;
-  virtual bool needs_reference() const = 0;
-  virtual std::optional<JobHandle> submit(std::shared_ptr<Upload> upload) = 0;
+  virtual Result<> finish_upload() = 0;
+  virtual void drop_upload() = 0;
+  virtual std::optional<JobHandle> submit() = 0;
   virtual void submitted() {}
-
-  Result<> parse_part(grpc::ByteBuffer& bytes, google::protobuf::Message& message) const {
-    return parse(bytes,
-                 {std::max(home_.limits.max_message_bytes, kLeastStreamMessage), "a message of the stream",
-                  "one message", "send chunks of at most 1 MiB"},
-                 message);
-  }
 
   /// With the lock.
   void finish(const grpc::Status& status) {
@@ -127,7 +114,6 @@ class UploadCall : public Reactor,
   std::mutex mutex_;  ///< guards everything below
   Phase phase_ = Phase::Uploading;
   Clock::time_point moved_at_ = Clock::now();  ///< when the caller last did something
-  std::shared_ptr<Upload> upload_;             ///< while Uploading
 
  private:
   static Error cancelled(bool late) {
@@ -142,7 +128,7 @@ class UploadCall : public Reactor,
 
   void end(const Error& error) {
     leave_upload(Phase::Finished);
-    upload_.reset();
+    drop_upload();
     home_.jobs.record_refusal(caller_, error);
     this->Finish(status_of_error(error));
   }
@@ -150,9 +136,8 @@ class UploadCall : public Reactor,
   /// The job may be refused or done before submit() returns, on this thread, so it comes without the lock.
   void run(std::unique_lock<std::mutex>& lock) {
     leave_upload(Phase::Running);
-    auto upload = std::move(upload_);
     lock.unlock();
-    auto handle = submit(std::move(upload));
+    auto handle = submit();
     lock.lock();
     if (phase_ != Phase::Running) return;
     handle_ = handle;
@@ -174,7 +159,7 @@ class UploadCall : public Reactor,
     if (phase_ == Phase::Done) return;
     if (phase_ == Phase::Running) moved_at_ = Clock::now();  // it is our turn
     const auto idle = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - moved_at_);
-    if (idle < home_.limits.idle) return watch(home_.limits.idle - idle);
+    if (idle < idle_) return watch(idle_ - idle);
     if (phase_ == Phase::Uploading) {
       return end({Cause::RequestTimeout,
                   "nothing came for " + std::to_string(idle.count()) + " ms before the end of the bytes"});
@@ -182,6 +167,7 @@ class UploadCall : public Reactor,
     context_.TryCancel();
   }
 
+  const std::chrono::milliseconds idle_;
   grpc::CallbackServerContext& context_;  ///< until Done
   grpc::ByteBuffer in_;
   Timer timer_;

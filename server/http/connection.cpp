@@ -76,10 +76,26 @@ SocketConnection::~SocketConnection() { ::close(socket_); }
 
 void SocketConnection::abort() { ::shutdown(socket_, SHUT_RDWR); }
 
+Connection::Received Connection::drop(std::size_t most, Clock::time_point until) {
+  std::array<char, 16384> dropped;
+  return receive(std::span(dropped).first(std::min(most, dropped.size())), until);
+}
+
 Connection::Received SocketConnection::receive(std::span<char> into, Clock::time_point until) {
+  return receive(into.data(), into.size(), 0, until);
+}
+
+/// TCP drops them in the kernel, which costs a fifth of copying them; a Unix socket would count but give
+/// them.
+Connection::Received SocketConnection::drop(std::size_t most, Clock::time_point until) {
+  return tells_gone_ ? Connection::drop(most, until) : receive(nullptr, most, MSG_TRUNC, until);
+}
+
+Connection::Received SocketConnection::receive(char* into, std::size_t size, int how,
+                                               Clock::time_point until) {
   while (true) {
     if (stop_.is_set()) return {Event::Stopping};
-    const ssize_t got = ::recv(socket_, into.data(), into.size(), MSG_DONTWAIT);
+    const ssize_t got = ::recv(socket_, into, size, how | MSG_DONTWAIT);
     if (got > 0) return {Event::Bytes, static_cast<std::size_t>(got)};
     if (got < 0 && errno == EINTR) continue;
     if (got == 0 || !must_wait(errno)) return {Event::End};

@@ -61,6 +61,9 @@ class Connection {
   /// Waits for the first bytes that come.
   virtual Received receive(std::span<char> into, Clock::time_point until) = 0;
 
+  /// The same for bytes that nobody wants, at most `most` of them.
+  virtual Received drop(std::size_t most, Clock::time_point until);
+
   /// Sends both; false when the client does not take them.
   virtual bool send(std::string_view first, std::string_view second) = 0;
 
@@ -82,6 +85,7 @@ class SocketConnection final : public Connection {
   ~SocketConnection() override;
 
   Received receive(std::span<char> into, Clock::time_point until) override;
+  Received drop(std::size_t most, Clock::time_point until) override;
   bool send(std::string_view first, std::string_view second) override;
   bool gone(std::string_view question) override;
   void linger() override;
@@ -90,6 +94,8 @@ class SocketConnection final : public Connection {
   void abort();  ///< ends it at once, from any thread
 
  private:
+  Received receive(char* into, std::size_t size, int how, Clock::time_point until);
+
   const int socket_;
   const StopEvent& stop_;
   const HttpPatience& patience_;

@@ -131,11 +131,16 @@ void RequestReader::begin_body() {
 void RequestReader::end_body() { body_ = Body::Closed; }
 
 bool RequestReader::skip(std::uint64_t bytes) {
-  std::array<char, kPiece> dropped;
-  while (bytes > 0) {
-    const ssize_t some = read_body(dropped.data(), std::min<std::uint64_t>(bytes, dropped.size()));
-    if (some <= 0) return false;
-    bytes -= static_cast<std::uint64_t>(some);
+  const std::uint64_t here = std::min<std::uint64_t>(bytes, buffered().size());
+  begin_ += here;
+  body_bytes_ += here;
+  if (ended_ != Event::Bytes) return bytes == here;
+  for (bytes -= here; bytes > 0;) {
+    const auto dropped =
+        connection_.drop(bytes, patience_.deadline(body_begun_, patience_.body, body_bytes_));
+    if (dropped.event != Event::Bytes) return false;
+    bytes -= dropped.size;
+    body_bytes_ += dropped.size;
   }
   return true;
 }

@@ -1,7 +1,7 @@
 // Loads a running burnishd with many callers at once and prints what became of them, once with as many
 // callers as it takes and once with ten times as many: goodput, how fast the surplus was refused, and the
 // server's memory.
-//   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66]
+//   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66] [http|grpc]
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -145,7 +145,9 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
 
 int main(int argc, char** argv) {
   if (argc < 5) {
-    std::fprintf(stderr, "usage: overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS] [CALLERS]\n");
+    std::fprintf(
+        stderr,
+        "usage: overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS] [CALLERS] [http|grpc]\n");
     return 2;
   }
   const int port = std::atoi(argv[1]);
@@ -153,10 +155,13 @@ int main(int argc, char** argv) {
   const std::string mesh = read_file(argv[4]);
   const double seconds = argc > 5 ? std::strtod(argv[5], nullptr) : 60;
   const int callers = argc > 6 ? std::atoi(argv[6]) : 66;
+  const std::string only = argc > 7 ? argv[7] : "";
   for (const int times : {1, 10}) {
+    if (only == "grpc") break;
     load("http", times * callers, seconds, argv[3], [&] { return over_http(port, mesh); });
   }
   for (const int times : {1, 10}) {
+    if (only == "http") break;
     load("grpc", times * callers, seconds, argv[3], [&] { return over_grpc(client, mesh); });
   }
 }

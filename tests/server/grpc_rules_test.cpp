@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <future>
 #include <string>
 #include <vector>
 
@@ -185,9 +186,12 @@ TEST(GrpcRules, RefuseAFormatThatDoesNotExist) {
   EXPECT_EQ(detail_of<google::rpc::BadRequest>(status)->field_violations(0).field(), "format");
 }
 
-/// One call with bytes of one's own choice.
-grpc::Status send_bytes(RunningGrpc& server, const std::string& method, const std::string& bytes,
-                        grpc::ByteBuffer* answer = nullptr, const grpc::ChannelArguments& arguments = {}) {
+enum class Then : std::uint8_t { Ends, Waits };
+
+/// One call with messages of one's own choice.
+grpc::Status send(RunningGrpc& server, const std::string& method, const std::vector<std::string>& messages,
+                  Then then, grpc::ByteBuffer* answer = nullptr,
+                  const grpc::ChannelArguments& arguments = {}) {
   grpc::GenericStub stub(testing::connect(server.server().address(), arguments));
   grpc::ClientContext context;
   grpc::CompletionQueue queue;
@@ -196,19 +200,74 @@ grpc::Status send_bytes(RunningGrpc& server, const std::string& method, const st
     bool ok = false;
     return queue.Next(&tag, &ok) && ok;
   };
-  const grpc::Slice slice(bytes);
   grpc::ByteBuffer received;
   const auto call = stub.PrepareCall(&context, "/burnish.v1.SmoothingService/" + method, &queue);
   call->StartCall(nullptr);
   wait();
-  call->WriteLast(grpc::ByteBuffer(&slice, 1), grpc::WriteOptions(), nullptr);
-  wait();
+  for (const std::string& message : messages) {
+    const grpc::Slice slice(message);
+    call->Write(grpc::ByteBuffer(&slice, 1), nullptr);
+    wait();
+  }
+  if (then == Then::Ends) {
+    call->WritesDone(nullptr);
+    wait();
+  }
   call->Read(&received, nullptr);
   if (wait() && answer) *answer = received;
   grpc::Status status;
   call->Finish(&status, nullptr);
   wait();
   return status;
+}
+
+grpc::Status send_bytes(RunningGrpc& server, const std::string& method, const std::string& bytes,
+                        grpc::ByteBuffer* answer = nullptr, const grpc::ChannelArguments& arguments = {}) {
+  return send(server, method, {bytes}, Then::Ends, answer, arguments);
+}
+
+TEST(GrpcRules, AskOneMessageOfAUnaryCall) {
+  RunningGrpc server;
+  for (const char* method : {"Smooth", "Compare"}) {
+    const grpc::Status none = send(server, method, {}, Then::Ends);
+    EXPECT_EQ(reason_of(none), "BAD_REQUEST");
+    EXPECT_EQ(none.error_message(), "the call ended before its message");
+    const grpc::Status two = send(server, method, {"", ""}, Then::Ends);
+    EXPECT_EQ(reason_of(two), "BAD_REQUEST");
+    EXPECT_EQ(two.error_message(), "a unary call has one message, and a second one came");
+  }
+  EXPECT_TRUE(server.forgets_everything());
+}
+
+TEST(GrpcRules, RefuseAUnaryCallBeforeItsMessageWhenTheQueueIsFull) {
+  Gate gate;
+  Config config;
+  config.workers = 1;
+  config.queue = 0;
+  RunningGrpc server({.config = config, .smooth = gate.smoother()});
+  v1::SmoothRequest request;
+  request.set_mesh(std::string(kTetrahedron));
+  auto running = std::async(std::launch::async, [&] {
+    grpc::ClientContext context;
+    v1::SmoothResponse response;
+    return server.stub().Smooth(&context, request, &response);
+  });
+  gate.wait_for(1);
+  for (const char* method : {"Smooth", "Compare"})
+    EXPECT_EQ(reason_of(send(server, method, {}, Then::Waits)), "QUEUE_FULL") << method;
+  // The client still sends what nobody will read, more than one window of it.
+  for (const char* method : {"Smooth", "Compare"})
+    EXPECT_EQ(reason_of(send_bytes(server, method, std::string(4 << 20, 'x'))), "QUEUE_FULL") << method;
+  gate.open();
+  EXPECT_TRUE(running.get().ok());
+  EXPECT_TRUE(server.forgets_everything());
+}
+
+TEST(GrpcRules, NameAMethodThatThereIsNot) {
+  RunningGrpc server;
+  const grpc::Status status = send_bytes(server, "Polish", "");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  EXPECT_EQ(status.error_message(), "there is no method /burnish.v1.SmoothingService/Polish");
 }
 
 TEST(GrpcRules, CallBytesThatAreNoMessageABadRequest) {

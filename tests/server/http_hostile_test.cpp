@@ -1,12 +1,14 @@
 // Clients that send too much, too slowly or nonsense, and what honest ones notice of it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "server/http/gzip.h"
+#include "tests/client/temporary_folder.h"
 #include "tests/server/gate.h"
 #include "tests/server/http_house.h"
 #include "tests/support/eventually.h"
@@ -161,6 +163,22 @@ TEST(HttpHostile, ConnectionBeyondTheLimitIsToldSoAndOthersGoOn) {
   first.close();
   EXPECT_TRUE(eventually([&] { return house.call("GET", "/livez").status == 200; }))
       << "its place is free again";
+}
+
+TEST(HttpHostile, RefusedBodyIsDroppedAndTheConnectionGoesOn) {
+  const cli::TemporaryFolder folder;
+  std::array<Address, 2> addresses;
+  addresses[1].path = folder / "socket";
+  for (const Address& listen : addresses) {
+    HttpHouse house({.listen = listen});
+    RawHttp client = listen.is_unix() ? RawHttp(listen.path) : RawHttp(house.port());
+    for (const std::size_t size : {0, 1, 20'000, 1'000'000}) {
+      ASSERT_TRUE(client.send_request("POST", "/v1/smooth?colour=red", std::string(size, ' ')));
+      EXPECT_NE(code_of(client.read_response()), "") << size;
+      client.send_request("GET", "/livez");
+      EXPECT_EQ(client.read_response().status, 200) << size;
+    }
+  }
 }
 
 TEST(HttpHostile, LargeRefusedBodyDoesNotHideItsAnswer) {
