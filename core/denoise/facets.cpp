@@ -94,7 +94,9 @@ bool smooth_facets(Faces& faces, std::span<const std::uint8_t> movable, std::uin
       now.swap(next);
     }
   }
-  return going;
+  return going && for_each(now.size(), run, [&](std::size_t v) {
+           if (moves[v] != 0) next[v] = now[v];
+         });
 }
 
 }  // namespace burnish

@@ -15,7 +15,7 @@ bool weigh_facets(const Faces& faces, std::span<const SimdVec3> positions, std::
 /// Takes the noise that is left off the facets: `steps` times, the normals are filtered bilaterally where the
 /// surface is made of facets, in part where it is so in part, and its vertices move to fit. Edges that the
 /// filter sees as such come out as sharp as they are. Normals of the faces are afterwards those that the
-/// vertices fit. Both buffers must hold the positions; the result is in `now`. False when stopped.
+/// vertices fit. Both buffers must hold the positions; the result is in both. False when stopped.
 bool smooth_facets(Faces& faces, std::span<const std::uint8_t> movable, std::uint32_t steps,
                    Buffer<SimdVec3>& now, Buffer<SimdVec3>& next);
 

@@ -6,6 +6,7 @@
 #include "core/denoise/outliers.h"
 #include "core/denoise/planes.h"
 #include "core/denoise/surface_class.h"
+#include "core/denoise/turned.h"
 
 namespace burnish {
 namespace {
@@ -134,17 +135,26 @@ bool NormalCascade::finish() {
     if (!for_each(now_.size(), run_, measure)) return false;
     if (find_outliers(surface_.topology, movable_, moves, outlier, run_)) return keep_exact(outlier);
   }
-  // Not in predicted_: what the surface has become is no measure of whether triangles turned against it.
-  Buffer<SimdVec3> normals(faces_.size());
-  if (options_.facet_steps > 0) {
-    if (!smooth_facets(faces_, movable_, options_.facet_steps, now_, next_)) return false;
-    faces_.swap_normals(normals);
-  } else if (!for_each(normals.size(), run_, [&](std::size_t f) { normals[f] = predicted_[f]; })) {
-    return false;
+  return options_.facet_steps + options_.plane_steps == 0 || sharpen();
+}
+
+bool NormalCascade::sharpen() {
+  Buffer<SimdVec3> learned(now_.size());
+  bool going = for_each(now_.size(), run_, [&](std::size_t v) { learned[v] = now_[v]; });
+  if (going && options_.facet_steps > 0) {
+    going = smooth_facets(faces_, movable_, options_.facet_steps, now_, next_);
   }
   faces_.release_centroids();
-  return options_.plane_steps == 0 ||
-         settle_on_planes(faces_, movable_, options_.plane_steps, normals, now_, next_);
+  if (going && options_.plane_steps > 0) {
+    Buffer<SimdVec3> normals(faces_.size());
+    if (options_.facet_steps > 0) {
+      faces_.swap_normals(normals);
+    } else {
+      going = for_each(normals.size(), run_, [&](std::size_t f) { normals[f] = predicted_[f]; });
+    }
+    going = going && settle_on_planes(faces_, movable_, options_.plane_steps, normals, now_, next_);
+  }
+  return going && take_back_turned(faces_, predicted_, learned, now_);
 }
 
 /// Where no corner is off, the scan's own normals are the best; outliers move to fit those and the predicted
@@ -188,31 +198,6 @@ bool NormalCascade::go_beyond(float share) {
          });
 }
 
-bool NormalCascade::against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const {
-  const float side = faces_.side(f);
-  return dot(cross(b - a, c - a) * side, predicted_[f]) < 0;
-}
-
-/// Half the way, and half of that, and home.
-bool NormalCascade::unflip() {
-  constexpr int kHalvings = 6, kMostRounds = 100;
-  std::vector<std::uint8_t> back(now_.size());
-  for (int round = 0; round < kMostRounds; ++round) {
-    bool any = false;
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-      if (f % kBlockSize == 0 && run_.stopped()) return false;
-      const auto& [a, b, c] = surface_.mesh.triangles[f];
-      if (!against(f, now_[a], now_[b], now_[c]) || against(f, home(a), home(b), home(c))) continue;
-      any = true;
-      for (const Index v : {a, b, c}) back[v] = static_cast<std::uint8_t>(round + 1);
-    }
-    if (!any) break;
-    for (std::size_t v = 0; v < now_.size(); ++v) {
-      if (back[v] != round + 1) continue;
-      now_[v] = round < kHalvings ? home(v) + (now_[v] - home(v)) * 0.5F : home(v);
-    }
-  }
-  return true;
-}
+bool NormalCascade::unflip() { return take_back_flipped(faces_, predicted_, now_); }
 
 }  // namespace burnish

@@ -32,8 +32,8 @@ class NormalCascade {
 
   /// Where the next stage takes the vertices: see positions(). False when stopped.
   bool advance(std::span<const SimdVec3> from);
-  /// After the last stage: smooths facets, and leaves vertices at home that were never off. False when
-  /// stopped.
+  /// After the last stage: smooths facets, settles on planes and takes back what these turned too far, or
+  /// leaves vertices at home that were never off. False when stopped.
   bool finish();
   /// On from there, by `share` of a step towards a surface that is smoother than learned. False when stopped.
   bool go_beyond(float share);
@@ -52,9 +52,9 @@ class NormalCascade {
   bool fit(Buffer<SimdVec3>& normals, std::uint32_t steps);
   bool unfold();
   bool give_back();
+  bool sharpen();
   bool keep_exact(std::span<const std::uint8_t> outlier);
   bool average_over_rings(std::uint32_t rings, Buffer<float>& heights, Buffer<float>& next) const;
-  bool against(std::size_t f, const SimdVec3& a, const SimdVec3& b, const SimdVec3& c) const;
 
   const Surface& surface_;
   const std::span<const std::uint8_t> movable_;

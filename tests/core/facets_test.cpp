@@ -80,6 +80,14 @@ TEST_F(SmoothFacets, TakesWeakNoiseOffThem) {
   }
 }
 
+/// What settles on planes next takes turns with the two.
+TEST_F(SmoothFacets, LeavesTheResultInBothBuffers) {
+  Surface noisy = shape_named("gem");
+  ASSERT_TRUE(add_noise(noisy, {.amplitude = 0.03, .seed = 2}));
+  smooth(noisy, 10);
+  for (std::size_t v = 0; v < now_.size(); ++v) EXPECT_TRUE(now_[v].vec3() == next_[v].vec3()) << v;
+}
+
 TEST_F(SmoothFacets, LeavesFreeFormsToTheBit) {
   const Surface surface = shape_named("coarse_bumps");
   smooth(surface, 10);

@@ -1,0 +1,161 @@
+// What steps that sharpen must not do to a triangle, and that all else stays as they made it.
+#include "core/denoise/turned.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/io/codec.h"
+#include "core/smooth/learned_normals.h"
+#include "tests/support/compared.h"
+
+namespace burnish {
+namespace {
+
+using namespace burnish::testing;
+
+double degrees_between(SimdVec3 a, SimdVec3 b) {
+  const SimdVec3 both = cross(a, b);
+  return std::atan2(static_cast<double>(length(both)), static_cast<double>(dot(a, b))) * 180 /
+         std::numbers::pi;
+}
+
+/// A sphere's own normals are predicted; noise of two strengths stands for before and after.
+class Turned : public ::testing::Test {
+ protected:
+  static Buffer<SimdVec3> off_by(double amplitude, std::uint64_t seed) {
+    Buffer<SimdVec3> positions;
+    for (const Vec3d& p : with_noise(kShape, amplitude, seed).positions) {
+      positions.emplace_back(kSurface.mesh.frame.to_local(p));
+    }
+    return positions;
+  }
+  SimdVec3 normal(const Buffer<SimdVec3>& positions, std::size_t f) const {
+    return faces_.measured(positions, f).normal;
+  }
+  Buffer<SimdVec3> predicted() const {
+    Buffer<SimdVec3> normals;
+    const auto exact = off_by(0, 1);
+    for (std::size_t f = 0; f < faces_.size(); ++f) normals.push_back(normal(exact, f));
+    return normals;
+  }
+  std::size_t turned_too_far() const {
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      const SimdVec3 is = normal(now_, f), was = normal(before_, f);
+      const double off = degrees_between(is, predicted_[f]);
+      bool far = off > 60.01 && off > degrees_between(was, predicted_[f]) + 0.01;
+      for (const Index g : kSurface.topology.face_neighbours[f]) {
+        const double edge = degrees_between(is, normal(now_, g));
+        far = far || (degrees_between(was, is) > 20.01 && edge > 95.01 &&
+                      edge > degrees_between(was, normal(before_, g)) + 0.01);
+      }
+      count += far ? 1U : 0U;
+    }
+    return count;
+  }
+  static bool equal(const Buffer<SimdVec3>& a, const Buffer<SimdVec3>& b) {
+    return std::ranges::equal(a, b, [](SimdVec3 p, SimdVec3 q) { return p.vec3() == q.vec3(); });
+  }
+
+  inline static const Shape kShape = sphere(4);  // edges of about .07
+  inline static const Surface kSurface = surface_of(kShape);
+  RunControl run_{.threads = 3};
+  Faces faces_{kSurface, FaceNeighbourhood::Vertices, run_};
+  Buffer<SimdVec3> predicted_ = predicted(), before_ = off_by(0.006, 2), now_ = off_by(0.03, 3);
+};
+
+TEST_F(Turned, AreTakenBack) {
+  ASSERT_GT(turned_too_far(), 100U);
+  ASSERT_TRUE(take_back_turned(faces_, predicted_, before_, now_));
+  EXPECT_EQ(turned_too_far(), 0U);
+}
+
+TEST_F(Turned, AreTakenBackToTheSameBitsByOneThread) {
+  Buffer<SimdVec3> by_one = now_;
+  const RunControl one{.threads = 1};
+  ASSERT_TRUE(
+      take_back_turned(Faces(kSurface, FaceNeighbourhood::Vertices, one), predicted_, before_, by_one));
+  ASSERT_TRUE(take_back_turned(faces_, predicted_, before_, now_));
+  EXPECT_TRUE(equal(now_, by_one));
+}
+
+TEST_F(Turned, AreNotThoseThatTurnALittle) {
+  now_ = off_by(0.006, 3);
+  const auto made = now_;
+  ASSERT_TRUE(take_back_turned(faces_, predicted_, before_, now_));
+  EXPECT_TRUE(equal(now_, made));
+}
+
+TEST_F(Turned, GoBackHalfTheWayWhereThatWillDo) {
+  now_ = before_;
+  const SimdVec3 out = off_by(0, 1)[0];
+  now_[0] = before_[0] + out * (0.12F / length(out));  // a spike: its edges are sharp, half of it has none
+  const auto made = now_;
+  ASSERT_GT(turned_too_far(), 0U);
+  ASSERT_TRUE(take_back_turned(faces_, predicted_, before_, now_));
+  EXPECT_EQ(turned_too_far(), 0U);
+  EXPECT_GT(length(now_[0] - before_[0]), 0.2F * length(made[0] - before_[0]));
+  now_[0] = before_[0];
+  EXPECT_TRUE(equal(now_, before_));
+}
+
+TEST_F(Turned, HearAStop) {
+  std::stop_source stop;
+  stop.request_stop();
+  const RunControl stopped{.stop = stop.get_token()};
+  EXPECT_FALSE(
+      take_back_turned(Faces(kSurface, FaceNeighbourhood::Vertices, stopped), predicted_, before_, now_));
+}
+
+TEST_F(Turned, NoTriangleFlipsThatAgreedInTheScan) {
+  const auto scan = off_by(0, 1);
+  const auto flipped = [&] {
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+      count += dot(normal(now_, f), predicted_[f]) < 0 ? 1U : 0U;
+    return count;
+  };
+  now_ = off_by(0.06, 3);
+  ASSERT_GT(flipped(), 100U);
+  ASSERT_TRUE(take_back_flipped(faces_, predicted_, now_));
+  EXPECT_EQ(flipped(), 0U);
+}
+
+Shape shape_of_file(const std::string& name) {
+  const auto document = decode(read_file(real_mesh(name)), Format::Obj, {}, {});
+  const auto positions = (*document)->positions();
+  const auto triangles = (*document)->triangles();
+  return {{positions.begin(), positions.end()}, {triangles.begin(), triangles.end()}};
+}
+
+Vec3d normal_of(const Shape& shape, std::size_t f) {
+  const auto& [a, b, c] = shape.triangles[f];
+  return cross(shape.positions[b] - shape.positions[a], shape.positions[c] - shape.positions[a]);
+}
+
+/// Triangles turned against the original that were not in the scan: 2 and 45 when facets and planes went
+/// unchecked, of which 22 are against it without them; in ten places the original itself is folded over.
+TEST(LearnedNormals, SeldomTurnATriangleAgainstTheOriginal) {
+  for (const auto& [name, most] : {std::pair{"Block0.4", 0U}, {"SharpSphere0.3", 26U}}) {
+    const std::string folder = std::string("pairs/") + name;
+    if (read_file(real_mesh(folder + "/Noisy.obj")).empty()) GTEST_SKIP() << "no " << folder;
+    const Shape original = shape_of_file(folder + "/Original.obj"),
+                scan = shape_of_file(folder + "/Noisy.obj");
+    ASSERT_EQ(original.triangles, scan.triangles);
+    const Shape result = smoothed(scan,
+                                  [](Surface& surface, const IterationOptions& options) {
+                                    return smooth_learned_normals(surface, {}, options, {});
+                                  },
+                                  {.iterations = kLearnedStages});
+    unsigned turned = 0;
+    for (std::size_t f = 0; f < scan.triangles.size(); ++f) {
+      const Vec3d truth = normal_of(original, f);
+      turned += dot(normal_of(result, f), truth) < 0 && dot(normal_of(scan, f), truth) >= 0 ? 1U : 0U;
+    }
+    EXPECT_LE(turned, most) << name;
+  }
+}
+
+}  // namespace
+}  // namespace burnish
