@@ -19,14 +19,14 @@ std::vector<Vec3f> into_frame(const Frame& frame, const Surface& reference, std:
   std::vector<Vec3f> local(positions.begin(), positions.end());
   const Frame& own = reference.mesh.frame;
   if (own.centre == frame.centre && own.exponent == frame.exponent) return local;
+  // Powers of two: products with them round as ldexp does.
+  const double scale = own.scale(), shrink = 1 / frame.scale();
   parallel_for(local.size(), run, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      Vec3d p = own.to_file(to_double(positions[v])) - frame.centre;
+      Vec3d p = (own.centre + to_double(positions[v]) * scale) - frame.centre;
       // A reference from another world stays within reach: its distance is huge either way.
       constexpr double kFar = NearestTriangle::kFarthest;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        p[axis] = std::clamp(std::ldexp(p[axis], -frame.exponent), -kFar, kFar);
-      }
+      for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = std::clamp(p[axis] * shrink, -kFar, kFar);
       local[v] = to_float(p);
     }
   });

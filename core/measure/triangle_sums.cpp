@@ -27,13 +27,13 @@ BURNISH_INLINE double largest_of(const Doubles& lanes) {
   return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
 }
 BURNISH_INLINE Doubles larger(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
-/// Square roots, without the errno of the library's, which keeps them apart.
+/// Square roots, without the errno of the library's, which keeps them apart. By halves that stay in
+/// registers: what is stored by halves and loaded as one waits for the memory.
 BURNISH_INLINE Doubles root(const Doubles& lanes) {
 #if defined(__x86_64__)
-  struct Halves {
-    __m128d low, high;
-  } halves = std::bit_cast<Halves>(lanes);
-  return std::bit_cast<Doubles>(Halves{_mm_sqrt_pd(halves.low), _mm_sqrt_pd(halves.high)});
+  const __m128d low = _mm_sqrt_pd(__builtin_shufflevector(lanes, lanes, 0, 1)),
+                high = _mm_sqrt_pd(__builtin_shufflevector(lanes, lanes, 2, 3));
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3);
 #else
   return Doubles{std::sqrt(lanes[0]), std::sqrt(lanes[1]), std::sqrt(lanes[2]), std::sqrt(lanes[3])};
 #endif
@@ -67,6 +67,11 @@ BURNISH_INLINE Doubles angle_of(const Doubles& y, const Doubles& x) {
   return x < kZero ? kPi - acute : acute;
 }
 
+/// Lane by lane the compiler makes one instruction of it, of __builtin_convertvector four.
+BURNISH_INLINE Doubles to_doubles(const Floats& lanes) {
+  return Doubles{lanes[0], lanes[1], lanes[2], lanes[3]};
+}
+
 /// One vertex per lane.
 BURNISH_INLINE Vectors gather(std::span<const Vec3f> positions, const Index (&vertices)[kLanes]) {
   const Floats p0 = SimdVec3(positions[vertices[0]]).lanes(), p1 = SimdVec3(positions[vertices[1]]).lanes(),
@@ -75,9 +80,9 @@ BURNISH_INLINE Vectors gather(std::span<const Vec3f> positions, const Index (&ve
                xy23 = __builtin_shufflevector(p2, p3, 0, 4, 1, 5),
                z01 = __builtin_shufflevector(p0, p1, 2, 6, 3, 7),
                z23 = __builtin_shufflevector(p2, p3, 2, 6, 3, 7);
-  return {__builtin_convertvector(__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5), Doubles),
-          __builtin_convertvector(__builtin_shufflevector(xy01, xy23, 2, 3, 6, 7), Doubles),
-          __builtin_convertvector(__builtin_shufflevector(z01, z23, 0, 1, 4, 5), Doubles)};
+  return {to_doubles(__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5)),
+          to_doubles(__builtin_shufflevector(xy01, xy23, 2, 3, 6, 7)),
+          to_doubles(__builtin_shufflevector(z01, z23, 0, 1, 4, 5))};
 }
 
 /// Four triangles by corner; at the end the last one again, with the weight 0.
