@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
+#include "core/measure/set_bits.h"
 #include "core/measure/squared_distance.h"
 
 #if defined(__x86_64__)
@@ -28,12 +30,10 @@ using D4 = double __attribute__((vector_size(32)));
 struct Narrow {
   using Boxes = Floats;
   using Doubles = D2;
-  using Singles = float __attribute__((vector_size(8)));
 };
 struct Wide {
   using Boxes = float __attribute__((vector_size(32)));
   using Doubles = D4;
-  using Singles = Floats;
 };
 
 struct Box {
@@ -52,6 +52,9 @@ BURNISH_INLINE Box around(const Vec3f& p, double squared) {
   }
   return box;
 }
+
+/// First node of the level whose children are triangles.
+BURNISH_INLINE std::size_t lowest_level(const Tree& tree) { return (tree.first_triangle - 1) / Node::kWidth; }
 
 /// Bit k: lane k is set.
 BURNISH_INLINE unsigned bits_of(const Mask& mask) {
@@ -107,9 +110,12 @@ BURNISH_INLINE void see_row(const Tree& tree, const Vec3f& p, const std::uint32_
   const Vec3<Doubles> point{Doubles{} + p.x, Doubles{} + p.y, Doubles{} + p.z};
   for (std::size_t part = 0; part < kRow; part += kLanes) {
     const auto at = [&](const Floats& lanes) {
-      typename Width::Singles values;
-      std::memcpy(&values, reinterpret_cast<const char*>(&lanes) + part * sizeof(float), sizeof values);
-      return __builtin_convertvector(values, Doubles);
+      // Lane by lane the compiler makes one instruction of it, of __builtin_convertvector three.
+      if constexpr (kLanes == kRow) {
+        return Doubles{lanes[0], lanes[1], lanes[2], lanes[3]};
+      } else {
+        return Doubles{lanes[part], lanes[part + 1]};
+      }
     };
     Vec3<Doubles> corner[3];
     for (std::size_t c = 0; c < 3; ++c) corner[c] = {at(corners[c][0]), at(corners[c][1]), at(corners[c][2])};
@@ -121,28 +127,6 @@ BURNISH_INLINE void see_row(const Tree& tree, const Vec3f& p, const std::uint32_
     if (any_flat != 0) squared = flat ? wedge.squared_to_flat() : squared;
     least = detail::smaller(squared, least);
   }
-}
-
-/// For each set of children their numbers, side by side: 8 KiB that stay in the cache.
-constexpr auto kNumbersOf = [] {
-  std::array<std::array<std::uint32_t, Node::kWidth>, std::size_t{1} << Node::kWidth> numbers{};
-  for (unsigned bits = 0; bits < numbers.size(); ++bits) {
-    for (std::uint32_t k = 0, count = 0; k < Node::kWidth; ++k) {
-      if ((bits >> k & 1) != 0) numbers[bits][count++] = k;
-    }
-  }
-  return numbers;
-}();
-
-/// Writes `first` plus the number of each bit that is set, and says how many. Writes all eight places: no
-/// branch to mispredict.
-BURNISH_INLINE std::size_t keep(std::size_t first, unsigned bits, std::uint32_t* to) {
-  using Eight = std::uint32_t __attribute__((vector_size(sizeof kNumbersOf[0])));
-  Eight places;
-  std::memcpy(&places, &kNumbersOf[bits], sizeof places);
-  places += static_cast<std::uint32_t>(first);
-  std::memcpy(to, &places, sizeof places);
-  return static_cast<std::size_t>(std::popcount(bits));
 }
 
 /// Nodes that hold triangles near any point of the group, with their boxes, eight to a row as if they had a
@@ -172,39 +156,83 @@ struct Near {
   }
 };
 
-/// False when there are too many.
+/// Level by level, without a branch on what is met. False when there are too many.
 template <class Width>
 BURNISH_INLINE bool collect(const Tree& tree, const Box& box, Near& near) {
-  // First node of the level whose children are triangles.
-  const std::size_t lowest = (tree.first_triangle - 1) / Node::kWidth;
+  const std::size_t lowest = lowest_level(tree);
   if (lowest == 0) return false;
-  std::array<std::uint32_t, Node::kWidth * 12> stack{0};
-  for (std::size_t depth = 1; depth > 0;) {
-    const Node& node = tree.nodes[stack[--depth]];
-    const std::size_t first_child = stack[depth] * Node::kWidth + 1;
-    for (unsigned met = children_meeting<Width>(box, node); met != 0; met &= met - 1) {
-      const auto k = static_cast<std::size_t>(std::countr_zero(met));
-      const std::size_t child = first_child + k;
-      if (child >= tree.nodes.size()) break;
-      if (child < lowest) {
-        stack[depth++] = static_cast<std::uint32_t>(child);
-      } else if (near.count < Near::kMostNodes) {
-        near.add(node, k, child);
-      } else {
-        return false;
-      }
+  std::array<std::uint32_t, Near::kMostNodes + Node::kWidth> numbers[2];
+  std::uint32_t *parents = numbers[0].data(), *next = numbers[1].data();
+  parents[0] = 0;
+  std::size_t count = 1;
+  for (std::size_t level = 0; level * Node::kWidth + 1 < lowest; level = level * Node::kWidth + 1) {
+    std::size_t met = 0;
+    for (std::size_t i = 0; i < count && met <= Near::kMostNodes; ++i) {
+      const std::size_t node = parents[i];
+      met += keep(node * Node::kWidth + 1, children_meeting<Width>(box, tree.nodes[node]), &next[met]);
+    }
+    if (met > Near::kMostNodes) return false;
+    count = met;
+    std::swap(parents, next);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Node& parent = tree.nodes[parents[i]];
+    const std::size_t first_child = parents[i] * Node::kWidth + 1;
+    for (unsigned bits = children_meeting<Width>(box, parent); bits != 0; bits &= bits - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(bits));
+      if (first_child + k >= tree.nodes.size()) break;
+      if (near.count == Near::kMostNodes) return false;
+      near.add(parent, k, first_child + k);
     }
   }
   near.finish();
   return true;
 }
 
+/// The hits of several points by rows, to be seen in one long loop: how many rows a point has nobody can
+/// foretell, the processor neither.
+struct Hits {
+  static constexpr std::size_t kMostOfPoint = Near::kMostNodes * Node::kWidth;
+  std::array<std::uint32_t, 2 * kMostOfPoint + Node::kWidth> places;
+  std::array<std::uint8_t, 2 * kMostOfPoint / kRow> points;  // by row
+  std::size_t count = 0;                                     // of places; whole rows between points
+
+  BURNISH_INLINE bool may_not_hold_another() const { return count > kMostOfPoint; }
+  /// The places from `first` on are those of a point.
+  BURNISH_INLINE void end_point(std::size_t point, std::size_t first) {
+    if (count == first) return;
+    std::fill_n(places.begin() + static_cast<std::ptrdiff_t>(count), kRow, places[first]);
+    for (; first < count; first += kRow) points[first / kRow] = static_cast<std::uint8_t>(point);
+    count = first;
+  }
+};
+
+/// Adds the triangles whose boxes meet `box`.
+template <class Width>
+BURNISH_INLINE void add_hits(const Tree& tree, const Near& near, const Box& box, Hits& hits) {
+  std::array<std::uint32_t, Near::kMostNodes + Node::kWidth> nodes;
+  std::size_t count = 0;
+  for (std::size_t row = 0; row * Node::kWidth < near.count; ++row) {
+    const unsigned met = children_meeting<Width>(box, near.rows[row]);
+    count += keep(row * Node::kWidth, met, &nodes[count]);
+  }
+  const std::size_t lowest = lowest_level(tree);
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t node = near.nodes[nodes[n]];
+    const unsigned met = children_meeting<Width>(box, tree.nodes[node]);
+    hits.count += keep((node - lowest) * Node::kWidth, met, &hits.places[hits.count]);
+  }
+}
+
 template <class Width>
 BURNISH_INLINE bool find_with(const Tree& tree, std::span<const Vec3f> points, std::span<double> squared) {
+  using Doubles = typename Width::Doubles;
   std::array<Box, kMost> boxes;
+  std::array<Doubles, kMost> least;
   Box all;
   for (std::size_t i = 0; i < points.size(); ++i) {
     boxes[i] = around(points[i], squared[i]);
+    least[i] = Doubles{} + std::numeric_limits<double>::infinity();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       all.low[axis] = std::min(all.low[axis], boxes[i].low[axis]);
       all.high[axis] = std::max(all.high[axis], boxes[i].high[axis]);
@@ -212,26 +240,22 @@ BURNISH_INLINE bool find_with(const Tree& tree, std::span<const Vec3f> points, s
   }
   Near near;
   if (!collect<Width>(tree, all, near)) return false;
-  const std::size_t lowest = (tree.first_triangle - 1) / Node::kWidth;
-  std::array<std::uint32_t, Near::kMostNodes + Node::kWidth> nodes;
-  std::array<std::uint32_t, Near::kMostNodes * Node::kWidth + Node::kWidth> hits;
+  Hits hits;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    std::size_t near_nodes = 0, count = 0;
-    for (std::size_t row = 0; row * Node::kWidth < near.count; ++row) {
-      const unsigned met = children_meeting<Width>(boxes[i], near.rows[row]);
-      near_nodes += keep(row * Node::kWidth, met, &nodes[near_nodes]);
+    const std::size_t first = hits.count;
+    add_hits<Width>(tree, near, boxes[i], hits);
+    hits.end_point(i, first);
+    if (i + 1 < points.size() && !hits.may_not_hold_another()) continue;
+    for (std::size_t h = 0; h < hits.count; h += kRow) {
+      const std::size_t point = hits.points[h / kRow];
+      see_row<Width>(tree, points[point], &hits.places[h], least[point]);
     }
-    for (std::size_t n = 0; n < near_nodes; ++n) {
-      const std::size_t node = near.nodes[nodes[n]];
-      const unsigned met = children_meeting<Width>(boxes[i], tree.nodes[node]);
-      count += keep((node - lowest) * Node::kWidth, met, &hits[count]);
-    }
-    std::fill_n(hits.begin() + static_cast<std::ptrdiff_t>(count), kRow, hits[0]);
-    auto least = typename Width::Doubles{} + std::numeric_limits<double>::infinity();
-    for (std::size_t h = 0; h < count; h += kRow) see_row<Width>(tree, points[i], &hits[h], least);
-    squared[i] = least[0];
-    for (std::size_t k = 1; k < sizeof least / sizeof(double); ++k)
-      squared[i] = std::min(squared[i], least[k]);
+    hits.count = 0;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    squared[i] = least[i][0];
+    for (std::size_t k = 1; k < sizeof(Doubles) / sizeof(double); ++k)
+      squared[i] = std::min(squared[i], least[i][k]);
   }
   return true;
 }

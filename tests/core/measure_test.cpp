@@ -194,6 +194,20 @@ TEST(NearestTriangle, AgreesWithTryingAllForFlatTriangles) {
   expect_group_nearest(mesh, points);
 }
 
+TEST(NearestTriangle, AgreesWithTryingAllWhenEveryTriangleIsNearEveryPoint) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> at(-1, 1);
+  Mesh mesh;
+  for (Index first = 0; first < 3 * 960; first += 3) {  // as many as one walk takes
+    for (int c = 0; c < 3; ++c) mesh.positions.push_back({at(random), at(random), at(random)});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 64; ++i)
+    points.push_back({5 + at(random), at(random), at(random)});  // all about as far
+  expect_group_nearest(mesh, points);
+}
+
 TEST(NearestTriangle, GivesTheSameBitsForEveryVectorWidth) {
   const Surface s = surface_of(with_noise(sphere(4), 0.02));
   std::vector<nearest_group::Node> nodes(1 + 8);  // a tree of 64 triangles by hand
