@@ -2,6 +2,8 @@
 // callers as it takes and once with ten times as many: goodput, how fast the surplus was refused, and the
 // server's memory.
 //   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66] [http|grpc]
+#include <grpcpp/grpcpp.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -15,7 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "client/smoothing_client.h"
+#include "burnish/v1/smoothing.grpc.pb.h"
+#include "client/status_error.h"
 #include "tests/server/raw_http.h"
 
 namespace {
@@ -75,13 +78,19 @@ Call over_http(int port, const std::string& mesh) {
   };
 }
 
-Call over_grpc(const burnish::client::SmoothingClient& client, const std::string& mesh) {
-  return [&client, &mesh] {
-    burnish::v1::SmoothRequest request;
-    request.set_mesh(mesh);
-    const auto answer = client.smooth(request, {.retry = {.attempts = 1}});
-    if (answer) return Answer{Ending::Done};
-    const auto& error = answer.error();
+/// Each on a connection of its own, as callers are.
+Call over_grpc(const std::string& address, const burnish::v1::SmoothRequest& request) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  const auto channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  const std::shared_ptr stub = burnish::v1::SmoothingService::NewStub(channel);
+  return [stub, &request] {
+    grpc::ClientContext context;
+    burnish::v1::SmoothResponse response;
+    const auto status = stub->Smooth(&context, request, &response);
+    if (status.ok()) return Answer{Ending::Done};
+    const auto error = burnish::client::error_from(status);
     if (error.cause != "queue_full" && error.cause != "memory_full") return Answer{};
     return Answer{Ending::Refused, Seconds(error.retry_after).count()};
   };
@@ -151,8 +160,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int port = std::atoi(argv[1]);
-  const burnish::client::SmoothingClient client(argv[2]);
   const std::string mesh = read_file(argv[4]);
+  burnish::v1::SmoothRequest request;
+  request.set_mesh(mesh);
   const double seconds = argc > 5 ? std::strtod(argv[5], nullptr) : 60;
   const int callers = argc > 6 ? std::atoi(argv[6]) : 66;
   const std::string only = argc > 7 ? argv[7] : "";
@@ -162,6 +172,6 @@ int main(int argc, char** argv) {
   }
   for (const int times : {1, 10}) {
     if (only == "http") break;
-    load("grpc", times * callers, seconds, argv[3], [&] { return over_grpc(client, mesh); });
+    load("grpc", times * callers, seconds, argv[3], [&] { return over_grpc(argv[2], request); });
   }
 }
