@@ -2,12 +2,14 @@
 #include <malloc.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <future>
 #include <string_view>
+#include <thread>
 
 #include <spdlog/spdlog.h>
 
@@ -43,10 +45,12 @@ void allow_many_files() {
 /// glibc otherwise moves this bound up to 32 MiB, so that what a large mesh leaves lies between the blocks of
 /// the next: up to ten times its file's size after a few jobs, where seven and a half are enough. Fixing it
 /// also fixes the bound above which free memory is given back, at 128 KiB, so that every small job would ask
-/// for its memory anew.
-void give_back_large_blocks() {
+/// for its memory anew. And hundreds of connections at once spread over eight arenas a core, each of which
+/// keeps pages that a few blocks are left on.
+void bound_what_malloc_keeps() {
   mallopt(M_MMAP_THRESHOLD, 4 << 20);
   mallopt(M_TRIM_THRESHOLD, 4 << 20);
+  mallopt(M_ARENA_MAX, static_cast<int>(std::max(2U, std::thread::hardware_concurrency())));
 }
 
 int report_health(const burnish::Config& config) {
@@ -70,7 +74,7 @@ void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& s
 
 int main(int argc, char** argv) {
   const sigset_t signals = block_stop_signals();
-  give_back_large_blocks();
+  bound_what_malloc_keeps();
   if (argc == 2 && std::string_view(argv[1]) == burnish::kHelperArgument) return burnish::run_helper();
   auto parsed = burnish::parse_config(argc, argv);
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
