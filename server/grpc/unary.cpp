@@ -20,7 +20,6 @@ struct Smooth {
   using Job = SmoothJob;
   static constexpr Kind kKind = Kind::Smooth;
   static constexpr std::string_view kAdvice = "use SmoothStream";
-  static constexpr auto kSubmit = &Jobs::smooth;
 
   static Result<SmoothJob> job(const Request& request) {
     SmoothJob job;
@@ -38,7 +37,6 @@ struct Compare {
   using Job = CompareJob;
   static constexpr Kind kKind = Kind::Compare;
   static constexpr std::string_view kAdvice = "use CompareStream";
-  static constexpr auto kSubmit = &Jobs::compare;
 
   static Result<CompareJob> job(const Request& request) {
     CompareJob job;
@@ -77,10 +75,14 @@ class UnaryCall final : public UploadCall<Reactor> {
 
   std::optional<JobHandle> submit() override {
     const auto self = std::static_pointer_cast<UnaryCall>(shared_from_this());
-    return (home_.jobs.*Rpc::kSubmit)(
-        caller_, std::move(job_), [self, request = std::move(request_)](Result<typename Rpc::Answer> result) {
-          self->answer(std::move(result));
-        });
+    Jobs::Done<typename Rpc::Answer> done = [self, request = std::move(request_)](auto result) {
+      self->answer(std::move(result));
+    };
+    if constexpr (Rpc::kKind == Kind::Smooth) {
+      return home_.jobs.smooth(caller_, std::move(job_), std::move(done));
+    } else {
+      return home_.jobs.compare(caller_, std::move(job_), std::move(done));
+    }
   }
 
   void answer(Result<typename Rpc::Answer> result) {

@@ -84,6 +84,7 @@ Call over_grpc(const std::string& address, const burnish::v1::SmoothRequest& req
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   const auto channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(10));
   const std::shared_ptr stub = burnish::v1::SmoothingService::NewStub(channel);
   return [stub, &request] {
     grpc::ClientContext context;
@@ -127,17 +128,18 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
   Tally tally;
   const double before = resident_megabytes(pid);
   std::atomic<double> most = before;
+  std::vector<Call> calls;
+  for (int i = 0; i < callers; ++i) calls.push_back(new_call());
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
   {
     std::vector<std::jthread> threads;
-    for (int i = 0; i < callers; ++i) {
-      threads.emplace_back([&] { call_until(end, new_call(), tally); });
-    }
+    for (const Call& call : calls) threads.emplace_back([&] { call_until(end, call, tally); });
     while (Clock::now() < end) {
       most = std::max(most.load(), resident_megabytes(pid));
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
+  calls.clear();
   std::this_thread::sleep_for(std::chrono::seconds(12));  // idle threads end, freed memory goes back
   std::printf(
       "%-6s %4d callers: %6.1f answers/s, %zu refused (%zu without a retry time), %zu failed; answered in "
