@@ -19,6 +19,7 @@ namespace {
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 /// For clients to close their connections themselves. Some never do: those that watch health, or do not poll.
 constexpr std::chrono::milliseconds kGoodbye{250};
+constexpr int kWindowBytes = 16 * 1024;  // of a call that nobody reads yet
 constexpr int kMaxMetadataBytes = 16 * 1024;
 constexpr unsigned kReadFilesEverySeconds = 1;
 constexpr int kMostThreads = 512;  // of the synchronous services; more calls are refused
@@ -50,6 +51,7 @@ void set_limits(grpc::ServerBuilder& builder, const Config& config) {
   // A probed window grows to megabytes, which refused callers would fill: a message that is read gets its
   // room all the same.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kWindowBytes);
   // Without this a second server would share the port and take half of the calls.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
