@@ -85,8 +85,7 @@ Connection::Received SocketConnection::receive(std::span<char> into, Clock::time
   return receive(into.data(), into.size(), 0, until);
 }
 
-/// TCP drops them in the kernel, which costs a fifth of copying them; a Unix socket would count but give
-/// them.
+/// TCP drops them in the kernel, without a copy; a Unix socket would count but give them.
 Connection::Received SocketConnection::drop(std::size_t most, Clock::time_point until) {
   return tells_gone_ ? Connection::drop(most, until) : receive(nullptr, most, MSG_TRUNC, until);
 }
