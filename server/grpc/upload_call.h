@@ -41,7 +41,7 @@ class UploadCall : public Reactor,
     const std::lock_guard lock(mutex_);
     if (phase_ != Phase::Uploading) return;
     // Before the first byte, and after the server can find this call: one that stops misses none.
-    if (auto chance = home_.jobs.let_come(caller_, 0, 0); !chance) return end(chance.error());
+    if (auto chance = home_.jobs.expect(caller_, 0, 0); !chance) return end(chance.error());
     if (idle_.count() > 0) watch(idle_);
     this->StartRead(&in_);
   }

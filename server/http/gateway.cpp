@@ -102,8 +102,8 @@ bool IgnoreCase::operator()(std::string_view a, std::string_view b) const {
 
 /// A request on its way to its answer.
 struct Gateway::Exchange {
-  Exchange(const HttpRequest& of, const Jobs& jobs, bool new_one = false)
-      : request(of), route(find_route(of.path)), is_new(new_one) {
+  Exchange(const HttpRequest& of, const Jobs& jobs, bool is_new = false)
+      : request(of), route(find_route(of.path)) {
     caller.transport = Transport::Http;
     if (route && route->endpoint == Endpoint::Compare) caller.kind = Kind::Compare;
     if (const auto id = of.header("Burnish-Request-Id"); is_request_id(id)) caller.request_id = id;
@@ -122,7 +122,6 @@ struct Gateway::Exchange {
   const HttpRequest& request;
   const Route* const route;  ///< null: no such path
   Caller caller;
-  const bool is_new;  ///< its body is still to come
 };
 
 /// Answers as the gateway does when the body has come.
@@ -200,7 +199,7 @@ std::optional<BodyTaking> Gateway::take_body(const HttpRequest& request) {
 
 std::optional<HttpResponse> Gateway::answer_head(Exchange& exchange,
                                                  const std::function<bool()>& client_gone) {
-  const auto& [request, route, caller, is_new] = exchange;
+  const auto& [request, route, caller] = exchange;
   if (!route && is_page_path(request.path)) return answer_page(exchange);
   if (!route) return refuse(exchange, {Cause::NotFound, "there is nothing at " + request.path});
   const std::string allow(route->verbs);
@@ -232,7 +231,7 @@ HttpResponse Gateway::answer_page(Exchange& exchange) {
 
 Result<HttpResponse> Gateway::answer_kept(const Exchange& exchange,
                                           const std::function<bool()>& client_gone) {
-  const auto& [request, route, caller, is_new] = exchange;
+  const auto& [request, route, caller] = exchange;
   const std::string id = exchange.id();
   switch (route->endpoint) {
     case Endpoint::Jobs:
@@ -283,8 +282,7 @@ std::optional<HttpResponse> Gateway::refuse_early(Exchange& exchange) {
                             : expect_compare(exchange.request, jobs_.limits());
   if (!expected) return refuse(exchange, expected.error());
   exchange.caller.deadline = deadline_after(expected->timeout);
-  const auto ask = exchange.is_new ? &Jobs::let_come : &Jobs::expect;
-  const auto fits = (jobs_.*ask)(exchange.caller, expected->mesh_bytes, expected->reference_bytes);
+  const auto fits = jobs_.expect(exchange.caller, expected->mesh_bytes, expected->reference_bytes);
   if (!fits) return refuse(exchange, fits.error());
   return {};
 }
@@ -297,7 +295,7 @@ HttpResponse Gateway::work(Exchange& exchange, const std::function<bool()>& clie
 }
 
 HttpResponse Gateway::smooth(Exchange& exchange, const std::function<bool()>& client_gone) {
-  auto& [request, route, caller, is_new] = exchange;
+  auto& [request, route, caller] = exchange;
   auto read = read_smooth(request, jobs_.service());
   if (!read) return refuse(exchange, read.error());
   const auto type = choose_smooth_answer(request.header("Accept"), result_format(read->job));
@@ -310,7 +308,7 @@ HttpResponse Gateway::smooth(Exchange& exchange, const std::function<bool()>& cl
 }
 
 HttpResponse Gateway::compare(Exchange& exchange, const std::function<bool()>& client_gone) {
-  auto& [request, route, caller, is_new] = exchange;
+  auto& [request, route, caller] = exchange;
   auto read = read_compare(request);
   if (!read) return refuse(exchange, read.error());
   caller.deadline = deadline_after(read->timeout);
@@ -331,7 +329,7 @@ HttpResponse Gateway::refuse(Exchange& exchange, Error error) {
 }
 
 HttpResponse Gateway::finish(const Exchange& exchange, HttpResponse response) const {
-  const auto& [request, route, caller, is_new] = exchange;
+  const auto& [request, route, caller] = exchange;
   response.headers["Burnish-Request-Id"] = caller.request_id;
   cors_.allow(request, response);
   if (exchange.is_work()) return response;  // the jobs have logged it

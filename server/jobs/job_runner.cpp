@@ -22,7 +22,6 @@ constexpr std::chrono::seconds kMissedTicks{10};  // after which it counts as st
 /// and a refusal must not be.
 constexpr double kSurely = 0.5;
 constexpr std::chrono::minutes kFarthestTurn{1};
-constexpr std::chrono::seconds kArrival{1};
 constexpr std::chrono::seconds kClaim{1};  // of memory by a kept job; it asks again sooner
 
 JobRunnerOptions with_workers(JobRunnerOptions options) {
@@ -86,8 +85,6 @@ Result<JobHandle> JobRunner::submit(JobWork work, const JobCost& cost,
   if (job->kept) {
     ++kept_waiting_;
     claimed_ = 0;
-  } else if (!coming_.empty()) {
-    coming_.pop_front();  // if not its own, another's: what counts is how many they are
   }
   queue_.push_back(job->turn, job);
   reserved_ += cost.bytes;
@@ -102,31 +99,6 @@ Result<> JobRunner::would_take(const JobCost& cost, std::optional<Clock::time_po
   const std::lock_guard lock(mutex_);
   return admit(cost, deadline, turn, kept);
 }
-
-Result<> JobRunner::let_come(const JobCost& cost, std::optional<Clock::time_point> deadline,
-                             const Turn& turn) {
-  const std::lock_guard lock(mutex_);
-  if (auto admitted = admit(cost, deadline, turn, false); !admitted) return admitted;
-  forget_late_arrivals();
-  const std::size_t waiting = queue_.size() - kept_waiting_;
-  if (running_.size() == options_.workers && waiting + coming_.size() >= places()) {
-    return Error{Cause::QueueFull,
-                 fmt::format("every worker is busy, {} jobs wait and the bytes of {} come (queue); try again "
-                             "later",
-                             waiting, coming_.size()),
-                 "", next_turn()};
-  }
-  coming_.push_back(Clock::now() + kArrival);
-  return {};
-}
-
-void JobRunner::forget_late_arrivals() {
-  const auto now = Clock::now();
-  while (!coming_.empty() && coming_.front() <= now) coming_.pop_front();
-}
-
-/// Of jobs that wait: one that finds an idle worker needs none.
-std::size_t JobRunner::places() const { return options_.queue + options_.workers - running_.size(); }
 
 Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> deadline, const Turn& turn,
                           bool kept) {
@@ -156,13 +128,14 @@ Result<> JobRunner::admit(const JobCost& cost, std::optional<Clock::time_point> 
 /// By count, by share and by time.
 Result<> JobRunner::admit_to_queue(const JobCost& cost, const Turn& turn) {
   const std::size_t waiting = queue_.size() - kept_waiting_;
-  if (waiting >= places()) {
+  const std::size_t places = options_.queue + options_.workers - running_.size();
+  if (waiting >= places) {
     return Error{Cause::QueueFull,
                  fmt::format("every worker is busy and {} jobs wait (queue); try again later", waiting), "",
                  next_turn()};
   }
   // Dynamic thresholds (Choudhury and Hahne 1998): nobody can take all places, and nobody's are held free.
-  if (const std::size_t own = queue_.size_of(turn.owner); !turn.owner.empty() && own >= places() - waiting) {
+  if (const std::size_t own = queue_.size_of(turn.owner); !turn.owner.empty() && own >= places - waiting) {
     return Error{
         Cause::QueueFull,
         fmt::format("{} jobs of this caller wait, as many as there are places left for others (queue); "
@@ -232,11 +205,8 @@ JobRunner::Seconds JobRunner::expected_wait(const Turn& turn) const {
 /// before: all at once they would be refused again.
 milliseconds JobRunner::next_turn() {
   const auto now = Clock::now();
-  const Seconds at_hand = backlog() / options_.workers;
-  const Seconds each =
-      at_hand / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
-  forget_late_arrivals();
-  const Seconds wait = at_hand + each * static_cast<double>(coming_.size());
+  const Seconds wait = backlog() / options_.workers;
+  const Seconds each = wait / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
   const auto steps = [](Seconds seconds) { return std::chrono::duration_cast<Clock::duration>(seconds); };
   next_turn_ = std::max(next_turn_ + steps(each), now + steps(wait));
   next_turn_ = std::min(next_turn_, now + kFarthestTurn);

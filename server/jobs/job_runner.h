@@ -5,7 +5,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -82,16 +81,10 @@ class JobRunner {
   Result<JobHandle> submit(JobWork work, const JobCost& cost,
                            std::optional<RunControl::Clock::time_point> deadline);
 
-  /// What submit() would say now. `kept`: as in JobWork; the memory that it lacks is then kept free for it
-  /// until it asks again, for a second.
+  /// What submit() would say now, for requests whose bytes are still to come. `kept`: as in JobWork; the
+  /// memory that it lacks is then kept free for it until it asks again, for a second.
   Result<> would_take(const JobCost& cost, std::optional<RunControl::Clock::time_point> deadline,
                       const Turn& turn = {}, bool kept = false);
-
-  /// The same for a request whose bytes are about to come. While every worker is busy, those that were let
-  /// come before it count as waiting, each until it submits its job, but no longer than a second: a thousand
-  /// at once are refused before their bytes, and slow ones hold nobody's place.
-  Result<> let_come(const JobCost& cost, std::optional<RunControl::Clock::time_point> deadline,
-                    const Turn& turn = {});
 
   /// What a job of so much work takes; a guess from the work alone before the first one ran.
   std::chrono::duration<double> expected_seconds(double work) const;
@@ -119,8 +112,6 @@ class JobRunner {
 
   Result<> admit(const JobCost& cost, std::optional<Clock::time_point> deadline, const Turn& turn, bool kept);
   Result<> admit_to_queue(const JobCost& cost, const Turn& turn);
-  std::size_t places() const;
-  void forget_late_arrivals();
   Result<> admit_to_memory(const JobCost& cost, bool kept);
   Seconds expected(const JobPtr& job) const;
   Seconds running_seconds() const;
@@ -142,8 +133,7 @@ class JobRunner {
   mutable std::mutex mutex_;  ///< guards everything below and the state of every Job
   std::condition_variable job_waits_, queue_changed_, job_ended_;
   FairLine<JobPtr> queue_;
-  std::size_t kept_waiting_ = 0;          ///< of them
-  std::deque<Clock::time_point> coming_;  ///< when those that were let come count no more, ascending
+  std::size_t kept_waiting_ = 0;  ///< of them
   std::vector<JobPtr> running_;
   std::uint64_t reserved_ = 0;
   std::uint64_t claimed_ = 0;  ///< memory that a kept job waits for

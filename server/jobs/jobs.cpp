@@ -54,11 +54,6 @@ JobCost cost_of(const CompareJob& job) {
                  job.mesh.size() + job.reference.size(), 0, 0);
 }
 
-/// Without a word about the format the cheaper one counts, so that nothing is refused that would fit.
-JobCost cost_of_bytes(std::uint64_t bytes) {
-  return {.bytes = bytes + estimate(bytes, Format::Obj).memory_bytes};
-}
-
 Kind kind_of(const SmoothJob&) { return Kind::Smooth; }
 Kind kind_of(const CompareJob&) { return Kind::Compare; }
 
@@ -172,24 +167,15 @@ Result<> Jobs::charge(const Caller& caller, std::uint64_t bytes, std::uint64_t w
   return tokens_->charge(caller.owner, bytes);
 }
 
-Result<> Jobs::check_arrival(const Caller& caller, std::uint64_t mesh_bytes,
-                             std::uint64_t reference_bytes) const {
+Result<> Jobs::expect(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const {
   if (!lifecycle_.serving()) return Error{Cause::ShuttingDown, "the server does not take work now"};
   if (caller.refusal) return *caller.refusal;
   if (auto fits = service_.check_size(mesh_bytes, "the mesh"); !fits) return fits;
-  return service_.check_size(reference_bytes, "the reference");
-}
-
-Result<> Jobs::expect(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const {
-  if (auto fine = check_arrival(caller, mesh_bytes, reference_bytes); !fine) return fine;
-  return runner_.would_take(cost_of_bytes(mesh_bytes + reference_bytes), caller.deadline,
+  if (auto fits = service_.check_size(reference_bytes, "the reference"); !fits) return fits;
+  // Without a word about the format the cheaper one counts, so that nothing is refused that would fit.
+  const std::uint64_t bytes = mesh_bytes + reference_bytes;
+  return runner_.would_take({.bytes = bytes + estimate(bytes, Format::Obj).memory_bytes}, caller.deadline,
                             {caller.owner, caller.low});
-}
-
-Result<> Jobs::let_come(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const {
-  if (auto fine = check_arrival(caller, mesh_bytes, reference_bytes); !fine) return fine;
-  return runner_.let_come(cost_of_bytes(mesh_bytes + reference_bytes), caller.deadline,
-                          {caller.owner, caller.low});
 }
 
 Result<> Jobs::would_take(const Caller& caller, const SmoothJob& job) const {

@@ -52,11 +52,10 @@ class Jobs {
   std::optional<JobHandle> smooth(const Caller& caller, SmoothJob job, Done<SmoothResult> done);
   std::optional<JobHandle> compare(const Caller& caller, CompareJob job, Done<v1::CompareResponse> done);
 
-  /// Whether a request of so many bytes (0: not known yet) has a chance, so that one that has none is refused
-  /// before its bytes are read. Errors: ShuttingDown, TooLarge, QueueFull, MemoryFull, DeadlineExceeded.
+  /// Whether a request of `bytes` (0: not known yet) that starts to arrive now has a chance, so that one that
+  /// has none is refused before its bytes are read. Errors: ShuttingDown, TooLarge, QueueFull, MemoryFull,
+  /// DeadlineExceeded.
   Result<> expect(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const;
-  /// The same when its bytes start to come now, as JobRunner::let_come(); once for each request.
-  Result<> let_come(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const;
 
   /// What smooth() would say now.
   Result<> would_take(const Caller& caller, const SmoothJob& job) const;
@@ -99,7 +98,6 @@ class Jobs {
   struct Call;
   template <class Job, class Answer>
   std::optional<JobHandle> submit(const Caller& caller, Job job, Done<Answer> done);
-  Result<> check_arrival(const Caller& caller, std::uint64_t mesh_bytes, std::uint64_t reference_bytes) const;
   template <class Job>
   Result<> admit(const Caller& caller, const Job& job) const;
   template <class Job, class Answer>

@@ -218,23 +218,6 @@ TEST(Gateway, RefusesAtOnceWhenTheQueueIsFull) {
   EXPECT_EQ(waiting.get().status, 200);
 }
 
-TEST(Gateway, CountsABodyThatComesAndRefusesTheNextHead) {
-  testing::Gate gate;
-  House house(with(gate.smoother()));
-  auto running = std::async(std::launch::async, [&] { return house.handle(smooth_request("mesh")); });
-  gate.wait_for(1);
-  const HttpRequest head = smooth_request("");
-  EXPECT_FALSE(house.gateway.answer_head(head).has_value());
-  const auto next = house.gateway.answer_head(head);
-  ASSERT_TRUE(next.has_value());
-  expect_problem(*next, Cause::QueueFull);
-  auto waiting = std::async(std::launch::async, [&] { return house.handle(smooth_request("mesh")); });
-  EXPECT_TRUE(testing::eventually([&] { return house.runner.queued() == 1; })) << "whose body came, has it";
-  gate.open();
-  EXPECT_EQ(running.get().status, 200);
-  EXPECT_EQ(waiting.get().status, 200);
-}
-
 TEST(Gateway, StopsTheJobOfAClientThatWentAway) {
   testing::Gate gate;
   House house(with(gate.smoother()));

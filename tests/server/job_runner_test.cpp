@@ -342,28 +342,6 @@ TEST(JobRunner, RefusesADeadlineThatTheJobItselfCannotMeet) {
   EXPECT_FALSE(busy.runner.would_take({.work = 1e6}, Clock::now() + 10min).ok()) << "it takes hours";
 }
 
-TEST(JobRunner, CountsThoseWhoseBytesComeWhileEveryWorkerIsBusy) {
-  GatedJob first;
-  BusyRunner busy(1ms, 2);
-  EXPECT_TRUE(busy.runner.let_come({.work = 1}, {}).ok());
-  EXPECT_TRUE(busy.runner.let_come({.work = 1}, {}).ok());
-  const auto third = busy.runner.let_come({.work = 1}, {});
-  ASSERT_FALSE(third.ok());
-  EXPECT_EQ(third.error().cause, Cause::QueueFull);
-  EXPECT_THAT(third.error().message, HasSubstr("0 jobs wait and the bytes of 2 come (queue)"));
-  EXPECT_GE(third.error().retry_after, 2s) << "behind those that come: each takes a second";
-  EXPECT_TRUE(busy.runner.submit(first.work(busy.gate), {.work = 1000}, {}).ok());
-  EXPECT_THAT(busy.runner.let_come({.work = 1}, {}).error().message,
-              HasSubstr("1 jobs wait and the bytes of 1"));
-  EXPECT_TRUE(testing::eventually([&] { return busy.runner.let_come({.work = 1}, {}).ok(); }))
-      << "one that is slow holds no place";
-}
-
-TEST(JobRunner, LetsAllComeWhileAWorkerIsIdle) {
-  JobRunner runner({.workers = 1, .queue = 0});
-  for (int i = 0; i < 100; ++i) EXPECT_TRUE(runner.let_come({.work = 1}, {}).ok());
-}
-
 TEST(JobRunner, TellsWhenAPlaceIsExpectedByTheWorkOfTheJobsAtHand) {
   BusyRunner busy(20ms, 0);
   const auto full = busy.runner.would_take({.work = 1}, {});
