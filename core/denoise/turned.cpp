@@ -8,15 +8,17 @@ namespace {
 /// Cosines of 60, 20 and 95 degrees.
 constexpr float kOff = 0.5F, kTurned = 0.93969F, kSharp = -0.08716F;
 
-/// Until no triangle is too far, half the way of its vertices, and half of that, and all of it.
+/// Until no triangle is too far, half the way of its vertices, and half of that, and all of it. That comes to
+/// an end: no triangle is too far whose vertices are all back, and each further round brings at least one
+/// back.
 template <class Before, class TooFar>
 bool take_back(const Faces& faces, std::span<SimdVec3> now, Before&& before, TooFar&& too_far) {
-  constexpr int kHalvings = 6, kMostRounds = 100;
+  constexpr int kHalvings = 6;
   const auto& vertex_faces = faces.surface().topology.vertex_faces;
   Buffer<std::uint8_t> far(faces.size());
   const auto is_far = [&](Index f) { return far[f] != 0; };
   bool going = true;
-  for (int round = 0; going && round < kMostRounds; ++round) {
+  for (int round = 0; going; ++round) {
     going = for_each(faces.size(), faces.run(), [&](std::size_t f) { far[f] = too_far(f) ? 1 : 0; });
     if (going && std::ranges::find(far, 1) == far.end()) break;
     going = going && for_each(now.size(), faces.run(), [&](std::size_t v) {
