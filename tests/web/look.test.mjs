@@ -100,6 +100,23 @@ test('the distance to the reference has the figures of the report', async () => 
   assert.equal(bars, 48);
 });
 
+test('what a click tells is dropped when it comes after another look was chosen', async () => {
+  const box = await page.locator('#view canvas').boundingBox();
+  const at = { clientX: Math.round(box.x + box.width / 2), clientY: Math.round(box.y + box.height / 2), bubbles: true };
+  await page.mouse.click(at.clientX, at.clientY);
+  await page.waitForSelector('#probe', { state: 'visible' });
+  // Again, and in the same turn of the page's thread another look: its worker answers the click first.
+  await page.locator('#view canvas').evaluate((node, where) => {
+    node.dispatchEvent(new MouseEvent('click', where));
+    const looks = document.getElementById('look');
+    looks.value = 'curvature';
+    looks.dispatchEvent(new Event('change', { bubbles: true }));
+  }, at);
+  await page.waitForFunction(() => document.getElementById('legend-title').textContent.startsWith('Curvature'));
+  assert.equal(await page.locator('#probe').isVisible(), false);
+  await show('distance');
+});
+
 test('the divider moves with keys and with the mouse, and each side shows its mesh', async () => {
   await page.selectOption('#look', 'normals');
   await page.check('input[value=divider]', { force: true });
