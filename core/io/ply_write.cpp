@@ -95,7 +95,8 @@ Result<> PlyDocument::patch_binary(const MovedPositions& moved, const NormalRows
     };
     if (shifted) {
       const Vec3d to = moved.at(static_cast<Index>(v));
-      error = std::max(error, length(Vec3d{store(0, to.x), store(1, to.y), store(2, to.z)}));
+      error = std::max(error, length(Vec3d{store(0, within_reach(to.x)), store(1, within_reach(to.y)),
+                                           store(2, within_reach(to.z))}));
     }
     if (turned) {
       const Vec3f& n = normals.rows[normals.row_of_element[v]];
@@ -158,9 +159,12 @@ class PlyWriter {
   std::string& out_;
 };
 
-/// True when floats keep what smoothing distinguishes: the mesh is not much farther away than it is large.
+/// True when floats hold the coordinates and keep what smoothing distinguishes: the mesh is neither huge nor
+/// tiny, and not much farther away than it is large.
 bool floats_suffice(const MovedPositions& moved) {
+  constexpr double kHuge = 1e30;
   const Vec3d& c = moved.frame.centre;
+  if (moved.frame.scale() > kHuge || moved.frame.scale() < 1 / kHuge) return false;
   return std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) <= 4 * moved.frame.scale();
 }
 
@@ -206,7 +210,7 @@ Result<Encoded> encode_as_ply(const MovedPositions& moved, std::span<const Trian
                                Vec3d off;
                                for (std::size_t axis = 0; axis < 3; ++axis) {
                                  if (!floats) {
-                                   writer.put(position[axis]);
+                                   writer.put(within_reach(position[axis]));
                                    continue;
                                  }
                                  const float narrow = nearest_float(position[axis]);

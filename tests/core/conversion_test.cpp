@@ -161,6 +161,26 @@ TEST(Conversion, ReadsTheTextureCoordinatesThatMeshLabKeepsWithFaces) {
   }
 }
 
+TEST(Conversion, WhatMovesPastTheLargestCoordinateStaysReadable) {
+  const std::string obj = "v -1e60 0 0\nv 1e60 0 0\nv 0 1e60 0\nv 0 0 1e60\nf 1 2 3\nf 1 3 4\n";
+  const std::string ply_text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "-1e60 0 0\n1e60 0 0\n0 1e60 0\n3 0 1 2\n";
+  const std::string ply = LoadedFile(obj).written(Format::Ply), off = LoadedFile(obj).written(Format::Off);
+  for (const std::string& bytes : {obj, ply_text, ply, off}) {
+    LoadedFile file(bytes);
+    file.move_all();
+    ASSERT_GT(length(file.moved().at(1)), 1.01e60);
+    for (const Format to : {Format::Obj, Format::Ply, Format::Off}) {
+      const LoadedFile again(file.written(to), to);
+      for (const Vec3d& p : again.document->positions())
+        EXPECT_LE(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}), kLargestCoordinate);
+      EXPECT_EQ(again.document->positions()[1].x, kLargestCoordinate);
+    }
+  }
+}
+
 TEST(Conversion, SmallestMeshesMakeTheTrip) {
   for (const Format from : kFormats) {
     for (const Format to : kFormats) {
