@@ -198,6 +198,8 @@ bool NormalCascade::go_beyond(float share) {
          });
 }
 
-bool NormalCascade::unflip() { return take_back_flipped(faces_, predicted_, now_); }
+bool NormalCascade::unflip(std::span<SimdVec3> positions) const {
+  return take_back_flipped(faces_, predicted_, positions);
+}
 
 }  // namespace burnish

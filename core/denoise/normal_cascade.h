@@ -39,9 +39,9 @@ class NormalCascade {
   bool go_beyond(float share);
   /// Back by 1 - share of the way from the scan. False when stopped.
   bool stay_behind(float share);
-  /// Takes vertices back where a triangle that agreed with its predicted normal in the scan no longer does.
-  /// False when stopped.
-  bool unflip();
+  /// Takes vertices back where a triangle that agreed with its predicted normal in the scan no longer does in
+  /// `positions`. False when stopped.
+  bool unflip(std::span<SimdVec3> positions) const;
 
   std::span<const SimdVec3> positions() const { return now_; }
   bool movable(std::size_t v) const { return movable_[v] != 0; }

@@ -95,8 +95,7 @@ Result<> PlyDocument::patch_binary(const MovedPositions& moved, const NormalRows
     };
     if (shifted) {
       const Vec3d to = moved.at(static_cast<Index>(v));
-      error = std::max(error, length(Vec3d{store(0, within_reach(to.x)), store(1, within_reach(to.y)),
-                                           store(2, within_reach(to.z))}));
+      error = std::max(error, length(Vec3d{store(0, to.x), store(1, to.y), store(2, to.z)}));
     }
     if (turned) {
       const Vec3f& n = normals.rows[normals.row_of_element[v]];
@@ -210,7 +209,7 @@ Result<Encoded> encode_as_ply(const MovedPositions& moved, std::span<const Trian
                                Vec3d off;
                                for (std::size_t axis = 0; axis < 3; ++axis) {
                                  if (!floats) {
-                                   writer.put(within_reach(position[axis]));
+                                   writer.put(position[axis]);
                                    continue;
                                  }
                                  const float narrow = nearest_float(position[axis]);

@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/mesh/surface.h"
-
 namespace burnish {
 namespace {
 
@@ -33,10 +31,6 @@ int decimals_for(const Frame& frame) {
 
 }  // namespace
 
-double within_reach(double coordinate) {
-  return std::clamp(coordinate, -kLargestCoordinate, kLargestCoordinate);
-}
-
 DecimalWriter::DecimalWriter(const Frame& frame) : DecimalWriter(decimals_for(frame)) {}
 
 DecimalWriter::DecimalWriter(int decimals) : decimals_(decimals <= kMostDecimals ? decimals : -1) {
@@ -45,8 +39,7 @@ DecimalWriter::DecimalWriter(int decimals) : decimals_(decimals <= kMostDecimals
 
 char* DecimalWriter::write(char* to, double value) const {
   const double scaled = std::abs(value * power_);
-  if (decimals_ < 0 || !(scaled < kExactIntegers))
-    return std::to_chars(to, to + kLongest, within_reach(value)).ptr;
+  if (decimals_ < 0 || !(scaled < kExactIntegers)) return std::to_chars(to, to + kLongest, value).ptr;
   auto rest = static_cast<std::uint64_t>(scaled);
   rest += scaled - static_cast<double>(rest) >= 0.5;
   if (value < 0 && rest > 0) *to++ = '-';

@@ -7,11 +7,8 @@
 
 namespace burnish {
 
-/// The nearest coordinate that readers take: rounding alone may move one past kLargestCoordinate.
-double within_reach(double coordinate);
-
-/// Writes numbers, brought within reach, with a fixed count of decimals; those that do not fit exactly as the
-/// shortest text that reads back to the same double. Immutable.
+/// Writes numbers with a fixed count of decimals; those that do not fit exactly as the shortest text that
+/// reads back to the same double. Immutable.
 class DecimalWriter {
  public:
   /// For a mesh: enough decimals to resolve the last bit of a local float (2^-24 of the frame's unit), so

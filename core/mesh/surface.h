@@ -1,6 +1,7 @@
 // From a file's vertices and triangles to the welded surface that is smoothed, and back.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <string>
@@ -55,10 +56,14 @@ struct MovedPositions {
   Frame frame;
 
   bool moved(Index file_vertex) const { return !(before[weld[file_vertex]] == after[weld[file_vertex]]); }
-  /// Parsed position plus displacement in double, so coordinates far from the origin keep their digits.
+  /// Parsed position plus displacement in double, so coordinates far from the origin keep their digits. Never
+  /// past kLargestCoordinate, where rounding alone may move one: readers take no such number.
   Vec3d at(Index file_vertex) const {
     const Index v = weld[file_vertex];
-    return original[file_vertex] + (to_double(after[v]) - to_double(before[v])) * frame.scale();
+    Vec3d to = original[file_vertex] + (to_double(after[v]) - to_double(before[v])) * frame.scale();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      to[axis] = std::clamp(to[axis], -kLargestCoordinate, kLargestCoordinate);
+    return to;
   }
 };
 

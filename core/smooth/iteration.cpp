@@ -93,6 +93,7 @@ Result<SmoothOutcome> iterate(Surface& surface, const Constraints& constraints,
   if (options.preserve_volume && !restore_volume(surface, constraints, from, run, outcome.warnings)) {
     return run.stop_error();
   }
+  if (passes.finish && !passes.finish(from)) return run.stop_error();
   // Not to be stopped: half of the positions would be new ones.
   for_each(home.size(), {.threads = run.threads}, [&](std::size_t v) { home[v] = from[v].vec3(); });
   return outcome;

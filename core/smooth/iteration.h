@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kMostIterations = 100'000;
 std::vector<ParameterSpec> iteration_parameters();
 IterationOptions iteration_options(const ParameterValues& values, const Surface& surface);
 
-/// One iteration, in two parts.
+/// One iteration, in two parts, and what comes after the last.
 struct Passes {
   /// What the moves need of all positions first: face normals, another step, a solution. False when it
   /// stopped half-way. May be empty.
@@ -32,11 +32,14 @@ struct Passes {
   std::function<void(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
                      std::size_t end)>
       move;
+  /// Looks at the positions that are to be written, and takes some back on their straight way from where they
+  /// came, which breaks no constraint. False when it stopped half-way. May be empty.
+  std::function<bool(std::span<SimdVec3> positions)> finish = {};
 };
 
-/// The loop: prepare, move, enforce the constraints, report progress; then restore the volume if asked, and
-/// write back. Positions that diverge end the loop at the last good iteration, with the warning "diverged".
-/// Errors: Cancelled, DeadlineExceeded.
+/// The loop: prepare, move, enforce the constraints, report progress; then restore the volume if asked,
+/// finish, and write back. Positions that diverge end the loop at the last good iteration, with the warning
+/// "diverged". Errors: Cancelled, DeadlineExceeded.
 Result<SmoothOutcome> iterate(Surface& surface, const Constraints& constraints,
                               const IterationOptions& options, const RunControl& run, const Passes& passes);
 

@@ -26,14 +26,16 @@ Result<SmoothOutcome> smooth_learned_normals(Surface& surface, const LearnedNorm
     if (!cascade->advance(from)) return false;
     if (++stage < options.iterations) return true;
     return cascade->finish() && (strength >= 1 || cascade->stay_behind(strength)) &&
-           (strength <= 1 || cascade->go_beyond(strength - 1)) && cascade->unflip();
+           (strength <= 1 || cascade->go_beyond(strength - 1));
   };
-  return iterate(surface, constraints, options, run,
-                 {.prepare = advance, .move = [&](auto, auto to, std::size_t begin, std::size_t end) {
-                    for (std::size_t v = begin; v < end; ++v) {
-                      if (cascade->movable(v)) to[v] = cascade->positions()[v];
-                    }
-                  }});
+  const auto move = [&](auto, auto to, std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      if (cascade->movable(v)) to[v] = cascade->positions()[v];
+    }
+  };
+  // After all that a caller asked for, so that none of it turns a triangle either.
+  const auto unflip = [&](std::span<SimdVec3> positions) { return !cascade || cascade->unflip(positions); };
+  return iterate(surface, constraints, options, run, {.prepare = advance, .move = move, .finish = unflip});
 }
 
 Method learned_normals_method() {

@@ -6,8 +6,10 @@
 #include <numbers>
 
 #include "core/io/codec.h"
+#include "core/shape/noise.h"
 #include "core/smooth/learned_normals.h"
 #include "tests/support/compared.h"
+#include "tests/support/procedural.h"
 
 namespace burnish {
 namespace {
@@ -155,6 +157,72 @@ TEST(LearnedNormals, SeldomTurnATriangleAgainstTheOriginal) {
     }
     EXPECT_LE(turned, most) << name;
   }
+}
+
+/// Triangles turned against the clean shape that were not in the scan.
+unsigned turned_when(const ConstraintOptions& constraints, NoiseDirection direction, double amplitude) {
+  const Surface clean = surface_of(procedural_shape("shaft", 11, 6000).shape);
+  Surface scan = clean;
+  EXPECT_TRUE(add_noise(scan, {.direction = direction, .amplitude = amplitude, .seed = 5}));
+  Surface result = scan;
+  IterationOptions options{.iterations = kLearnedStages, .constraints = constraints};
+  options.constraints.max_displacement *= scan.mean_edge;
+  EXPECT_TRUE(smooth_learned_normals(result, {}, options, {}));
+  const Faces faces(clean, FaceNeighbourhood::Vertices, {});
+  const auto normals = [&](const Surface& surface) {
+    const Buffer<SimdVec3> positions(surface.mesh.positions.begin(), surface.mesh.positions.end());
+    std::vector<SimdVec3> all;
+    for (std::size_t f = 0; f < faces.size(); ++f) all.push_back(faces.measured(positions, f).normal);
+    return all;
+  };
+  const auto truth = normals(clean), before = normals(scan), after = normals(result);
+  unsigned turned = 0;
+  for (std::size_t f = 0; f < truth.size(); ++f)
+    turned += dot(after[f], truth[f]) < 0 && dot(before[f], truth[f]) >= 0 ? 1U : 0U;
+  return turned;
+}
+
+/// 21 and 77 when what constraints turn is not taken back.
+TEST(LearnedNormals, TurnNoMoreTrianglesForWhatACallerAsks) {
+  EXPECT_LE(turned_when({.lock_features = 50}, NoiseDirection::Normal, 0.5), 10U);
+  EXPECT_LE(turned_when({.max_displacement = 0.4}, NoiseDirection::Random, 0.7), 55U);
+}
+
+TEST(Iterate, FinishesOnWhatItWritesAfterConstraintsAndVolume) {
+  Surface surface = surface_of(with_noise(sphere(2), 0.05));
+  const auto home = surface.mesh.positions;
+  const double limit = 0.02;
+  const Constraints constraints(surface, {.max_displacement = limit});
+  float farthest = 0;
+  const auto push = [](auto from, auto to, std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) to[v] = from[v] * 1.5F;
+  };
+  const auto take_first_home = [&](std::span<SimdVec3> positions) {
+    for (std::size_t v = 0; v < home.size(); ++v)
+      farthest = std::max(farthest, length(positions[v] - SimdVec3(home[v])));
+    positions[0] = SimdVec3(home[0]);
+    return true;
+  };
+  ASSERT_TRUE(iterate(surface, constraints, {.iterations = 2, .preserve_volume = true}, {},
+                      {.move = push, .finish = take_first_home}));
+  EXPECT_LE(farthest, limit);
+  EXPECT_TRUE(surface.mesh.positions[0] == home[0]);
+  EXPECT_FALSE(surface.mesh.positions[1] == home[1]);
+}
+
+TEST(Iterate, LeavesTheSurfaceAloneWhenItsFinishIsStopped) {
+  Surface surface = surface_of(sphere(2));
+  const auto home = surface.mesh.positions;
+  std::stop_source stop;
+  const auto push = [](auto from, auto to, std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) to[v] = from[v] * 1.5F;
+  };
+  const auto stopped = [&](std::span<SimdVec3>) { return !stop.request_stop(); };
+  const auto outcome = iterate(surface, Constraints(surface, {}), {.iterations = 1},
+                               {.stop = stop.get_token()}, {.move = push, .finish = stopped});
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().cause, Cause::Cancelled);
+  EXPECT_TRUE(surface.mesh.positions == home);
 }
 
 }  // namespace
