@@ -11,6 +11,7 @@
 #include <string_view>
 #include <thread>
 
+#include <absl/synchronization/mutex.h>
 #include <spdlog/spdlog.h>
 
 #include "server/config.h"
@@ -53,6 +54,10 @@ void bound_what_malloc_keeps() {
   mallopt(M_ARENA_MAX, static_cast<int>(std::max(2U, std::thread::hardware_concurrency())));
 }
 
+/// Debian builds Abseil, whose mutexes gRPC uses, with checks of the order in which they are locked: a graph
+/// of all that there are, behind one lock.
+void leave_locks_unchecked() { absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore); }
+
 int report_health(const burnish::Config& config) {
   const auto healthy = burnish::check_health(config);
   if (healthy) return 0;
@@ -75,6 +80,7 @@ void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& s
 int main(int argc, char** argv) {
   const sigset_t signals = block_stop_signals();
   bound_what_malloc_keeps();
+  leave_locks_unchecked();
   if (argc == 2 && std::string_view(argv[1]) == burnish::kHelperArgument) return burnish::run_helper();
   auto parsed = burnish::parse_config(argc, argv);
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;

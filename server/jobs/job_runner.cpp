@@ -22,6 +22,11 @@ constexpr std::chrono::seconds kMissedTicks{10};  // after which it counts as st
 /// and a refusal must not be.
 constexpr double kSurely = 0.5;
 constexpr std::chrono::minutes kFarthestTurn{1};
+/// Callers that were served and come again take the places of those that were told to come back, and each of
+/// these is a refusal more to pay for. So while more than kMany of them come for a job that is taken, turns
+/// are spread, up to kWidest jobs apart; fewer than kFew: drawn together again.
+constexpr unsigned kRound = 64;  // jobs
+constexpr double kMany = 0.25, kFew = 0.0625, kWidest = 4;
 constexpr std::chrono::seconds kClaim{1};  // of memory by a kept job; it asks again sooner
 
 JobRunnerOptions with_workers(JobRunnerOptions options) {
@@ -89,6 +94,7 @@ Result<JobHandle> JobRunner::submit(JobWork work, const JobCost& cost,
   queue_.push_back(job->turn, job);
   reserved_ += cost.bytes;
   ++pending_;
+  if (++taken_ == kRound) adapt_spread();
   job_waits_.notify_one();
   if (job->deadline != kNever) queue_changed_.notify_one();
   return JobHandle(std::move(job), this);
@@ -206,11 +212,19 @@ JobRunner::Seconds JobRunner::expected_wait(const Turn& turn) const {
 milliseconds JobRunner::next_turn() {
   const auto now = Clock::now();
   const Seconds wait = backlog() / options_.workers;
-  const Seconds each = wait / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
+  const Seconds each =
+      spread_ * wait / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
   const auto steps = [](Seconds seconds) { return std::chrono::duration_cast<Clock::duration>(seconds); };
   next_turn_ = std::max(next_turn_ + steps(each), now + steps(wait));
   next_turn_ = std::min(next_turn_, now + kFarthestTurn);
+  ++refused_;
   return std::chrono::ceil<milliseconds>(next_turn_ - now);
+}
+
+void JobRunner::adapt_spread() {
+  const double refused = static_cast<double>(std::exchange(refused_, 0)) / std::exchange(taken_, 0);
+  if (refused > kMany) spread_ = std::min(kWidest, 2 * spread_);
+  if (refused < kFew) spread_ = std::max(1.0, spread_ / 2);
 }
 
 void JobRunner::drain(std::chrono::milliseconds grace) {

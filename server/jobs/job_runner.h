@@ -118,6 +118,7 @@ class JobRunner {
   Seconds backlog() const;
   Seconds expected_wait(const Turn& turn) const;
   std::chrono::milliseconds next_turn();
+  void adapt_spread();
   void work();
   void run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job);
   void keep_house();
@@ -140,6 +141,8 @@ class JobRunner {
   Clock::time_point claimed_until_ = {};
   Pace pace_;
   Clock::time_point next_turn_ = {};  ///< of the last caller that was refused for want of a place
+  double spread_ = 1;                 ///< of turns, in times of a job
+  unsigned taken_ = 0, refused_ = 0;  ///< jobs since spread_ was looked at
   std::uint64_t ended_ = 0;
   std::size_t pending_ = 0;                       ///< accepted jobs whose callback has not returned yet
   std::optional<Clock::time_point> drain_until_;  ///< set: no new jobs

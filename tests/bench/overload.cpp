@@ -2,6 +2,7 @@
 // callers as it takes and once with ten times as many: goodput, how fast the surplus was refused, and the
 // server's memory.
 //   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66] [http|grpc]
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
@@ -11,13 +12,15 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <future>
+#include <memory>
 #include <mutex>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "burnish/v1/smoothing.grpc.pb.h"
+#include "burnish/v1/smoothing.pb.h"
 #include "client/status_error.h"
 #include "tests/server/raw_http.h"
 
@@ -78,18 +81,21 @@ Call over_http(int port, const std::string& mesh) {
   };
 }
 
-/// Each on a connection of its own, as callers are.
-Call over_grpc(const std::string& address, const burnish::v1::SmoothRequest& request) {
+/// Each on a connection of its own, as callers are. All send the same bytes: hundreds of callers that write
+/// their message at once would take their core longer than the server takes to answer.
+Call over_grpc(const std::string& address, const grpc::ByteBuffer& request) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   const auto channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
   channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(10));
-  const std::shared_ptr stub = burnish::v1::SmoothingService::NewStub(channel);
-  return [stub, &request] {
+  return [stub = std::make_shared<grpc::GenericStub>(channel), &request] {
     grpc::ClientContext context;
-    burnish::v1::SmoothResponse response;
-    const auto status = stub->Smooth(&context, request, &response);
+    grpc::ByteBuffer response;
+    std::promise<grpc::Status> ended;
+    stub->UnaryCall(&context, "/burnish.v1.SmoothingService/Smooth", {}, &request, &response,
+                    [&ended](grpc::Status status) { ended.set_value(std::move(status)); });
+    const auto status = ended.get_future().get();
     if (status.ok()) return Answer{Ending::Done};
     const auto error = burnish::client::error_from(status);
     if (error.cause != "queue_full" && error.cause != "memory_full") return Answer{};
@@ -163,8 +169,10 @@ int main(int argc, char** argv) {
   }
   const int port = std::atoi(argv[1]);
   const std::string mesh = read_file(argv[4]);
-  burnish::v1::SmoothRequest request;
-  request.set_mesh(mesh);
+  burnish::v1::SmoothRequest message;
+  message.set_mesh(mesh);
+  const grpc::Slice bytes(message.SerializeAsString());
+  const grpc::ByteBuffer request(&bytes, 1);
   const double seconds = argc > 5 ? std::strtod(argv[5], nullptr) : 60;
   const int callers = argc > 6 ? std::atoi(argv[6]) : 66;
   const std::string only = argc > 7 ? argv[7] : "";

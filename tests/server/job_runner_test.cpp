@@ -362,6 +362,38 @@ TEST(JobRunner, GivesEveryRefusedCallerATurnOfItsOwn) {
   EXPECT_LE(last, 1min) << "not for ever: some never come back";
 }
 
+TEST(JobRunner, SpreadsTheTurnsWhileThoseWhoComeBackFindTheirPlaceTaken) {
+  BusyRunner busy(1ms, 64);
+  std::vector<JobHandle> waiting;
+  const auto fill = [&] {
+    for (JobHandle& job : waiting) job.cancel();
+    waiting.clear();
+    const JobWork idle{.run = [](const RunControl&, double) {}, .refuse = [](const Error&) {}};
+    for (int i = 0; i < 64; ++i) waiting.push_back(busy.runner.submit(idle, {.work = 100}, {}).value());
+  };
+  const auto turn = [&] {
+    return std::chrono::duration<double>(busy.runner.would_take({.work = 1}, {}).error().retry_after).count();
+  };
+  const auto gap = [&] {
+    const double one = turn();
+    return turn() - one;
+  };
+  fill();
+  const double first = gap();
+  const auto gap_after = [&](int refused) {
+    for (int i = 0; i < refused; ++i) turn();
+    fill();
+    return gap() / first;
+  };
+  EXPECT_NEAR(gap_after(20), 2, 0.5);
+  EXPECT_NEAR(gap_after(20), 4, 1);
+  EXPECT_NEAR(gap_after(20), 4, 1) << "no further";
+  EXPECT_NEAR(gap_after(8), 4, 1) << "few enough";
+  EXPECT_NEAR(gap_after(0), 2, 0.5);
+  EXPECT_NEAR(gap_after(0), 1, 0.3);
+  EXPECT_NEAR(gap_after(0), 1, 0.3) << "no closer";
+}
+
 /// Runs one after the other what waits behind `busy` and gives the order in which they came.
 struct Order {
   std::mutex mutex;
