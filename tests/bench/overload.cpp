@@ -1,6 +1,7 @@
-// Loads a running burnishd with many callers at once and prints what became of them, once with as many
-// callers as it takes and once with ten times as many: goodput, how fast the surplus was refused, and the
-// server's memory.
+// Loads a running burnishd with many callers at once and prints what became of them: with as many callers as
+// it takes, with ten times as many, and with as many as it takes again. Goodput, the share of the processor
+// time that was for jobs (which noise of the machine changes less than goodput), how fast the surplus was
+// refused, and the server's memory.
 //   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66] [http|grpc]
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
@@ -10,6 +11,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <future>
@@ -57,6 +59,32 @@ double resident_megabytes(const std::string& pid) {
   }
   return 0;
 }
+
+/// In clock ticks, so far.
+double processor_time(const std::string& pid) {
+  std::ifstream stat("/proc/" + pid + "/stat");
+  std::string text;
+  std::getline(stat, text);
+  std::istringstream fields(text.substr(text.rfind(')') + 2));  // the name before it may hold anything
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;
+  double user = 0, kernel = 0;
+  fields >> user >> kernel;
+  return user + kernel;
+}
+
+struct ProcessorTime {
+  double server = 0, helpers = 0;
+
+  static ProcessorTime of(const std::string& pid) {
+    ProcessorTime time{.server = processor_time(pid)};
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/" + pid + "/task")) {
+      std::ifstream children(thread.path() / "children");
+      for (std::string helper; children >> helper;) time.helpers += processor_time(helper);
+    }
+    return time;
+  }
+};
 
 Call over_http(int port, const std::string& mesh) {
   return [port, &mesh, connection = std::make_shared<std::unique_ptr<burnish::testing::RawHttp>>()] {
@@ -135,6 +163,7 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
   const double before = resident_megabytes(pid);
   std::atomic<double> most = before;
   std::vector<Call> calls;
+  const auto start = ProcessorTime::of(pid);
   for (int i = 0; i < callers; ++i) calls.push_back(new_call());
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
   {
@@ -145,14 +174,16 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
+  const auto used = ProcessorTime::of(pid);
+  const double jobs = used.helpers - start.helpers, rest = used.server - start.server;
   calls.clear();
   std::this_thread::sleep_for(std::chrono::seconds(12));  // idle threads end, freed memory goes back
   std::printf(
-      "%-6s %4d callers: %6.1f answers/s, %zu refused (%zu without a retry time), %zu failed; answered in "
-      "%.0f ms "
-      "(median), refused in %.1f ms (median), %.1f ms (99%%); resident %.0f -> %.0f -> %.0f MB\n",
-      name, callers, static_cast<double>(tally.done.size()) / seconds, tally.refused.size(),
-      tally.without_retry, tally.failed, 1000 * quantile(tally.done, 0.5),
+      "%-6s %4d callers: %6.1f answers/s, %.1f%% of the processor time for jobs, %zu refused (%zu without a "
+      "retry time), %zu failed; answered in %.0f ms (median), refused in %.1f ms (median), %.1f ms (99%%); "
+      "resident %.0f -> %.0f -> %.0f MB\n",
+      name, callers, static_cast<double>(tally.done.size()) / seconds, 100 * jobs / (jobs + rest),
+      tally.refused.size(), tally.without_retry, tally.failed, 1000 * quantile(tally.done, 0.5),
       1000 * quantile(tally.refused, 0.5), 1000 * quantile(tally.refused, 0.99), before, most.load(),
       resident_megabytes(pid));
   std::fflush(stdout);
@@ -176,11 +207,11 @@ int main(int argc, char** argv) {
   const double seconds = argc > 5 ? std::strtod(argv[5], nullptr) : 60;
   const int callers = argc > 6 ? std::atoi(argv[6]) : 66;
   const std::string only = argc > 7 ? argv[7] : "";
-  for (const int times : {1, 10}) {
+  for (const int times : {1, 10, 1}) {
     if (only == "grpc") break;
     load("http", times * callers, seconds, argv[3], [&] { return over_http(port, mesh); });
   }
-  for (const int times : {1, 10}) {
+  for (const int times : {1, 10, 1}) {
     if (only == "http") break;
     load("grpc", times * callers, seconds, argv[3], [&] { return over_grpc(argv[2], request); });
   }
