@@ -172,7 +172,7 @@ Result<> JobRunner::admit_to_memory(const JobCost& cost, bool kept) {
       Cause::MemoryFull,
       fmt::format("the jobs at hand need {} of {} bytes (max-memory) and this one {}; try again later",
                   reserved_ + claimed, options_.max_memory, cost.bytes),
-      "", next_turn()};
+      "", kept ? milliseconds::zero() : next_turn()};  // a kept job asks every moment, and takes no turns
 }
 
 std::chrono::duration<double> JobRunner::expected_seconds(double work) const {

@@ -394,6 +394,24 @@ TEST(JobRunner, SpreadsTheTurnsWhileThoseWhoComeBackFindTheirPlaceTaken) {
   EXPECT_NEAR(gap_after(0), 1, 0.3) << "no closer";
 }
 
+TEST(JobRunner, GivesNoTurnsToKeptJobsThatAskForMemory) {
+  Gate gate;
+  GatedJob running;
+  JobRunner runner({.workers = 1, .queue = 0, .max_memory = 1000});
+  ASSERT_TRUE(runner.submit(running.work(gate), {.bytes = 500, .work = 1}, {}).ok());
+  gate.wait_for(1);
+  const auto turn = [&] { return runner.would_take({.work = 1}, {}).error().retry_after; };
+  const auto first = turn();
+  for (int i = 0; i < 20; ++i) {
+    const auto asked = runner.would_take({.bytes = 600}, {}, {}, true);
+    ASSERT_FALSE(asked.ok());
+    EXPECT_EQ(asked.error().cause, Cause::MemoryFull);
+  }
+  EXPECT_LT(turn(), first + 5s);
+  gate.open();
+  EXPECT_EQ(running.end.get(), Ending());
+}
+
 /// Runs one after the other what waits behind `busy` and gives the order in which they came.
 struct Order {
   std::mutex mutex;
