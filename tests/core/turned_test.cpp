@@ -182,7 +182,7 @@ unsigned turned_when(const ConstraintOptions& constraints, NoiseDirection direct
   return turned;
 }
 
-/// 21 and 77 when what constraints turn is not taken back.
+/// 11 and 75 when the constraints come after what is taken back, 21 and 77 when nothing is.
 TEST(LearnedNormals, TurnNoMoreTrianglesForWhatACallerAsks) {
   EXPECT_LE(turned_when({.lock_features = 50}, NoiseDirection::Normal, 0.5), 10U);
   EXPECT_LE(turned_when({.max_displacement = 0.4}, NoiseDirection::Random, 0.7), 55U);
