@@ -21,12 +21,6 @@ constexpr std::chrono::seconds kMissedTicks{10};  // after which it counts as st
 /// A deadline is out of reach when so much of the expected time alone passes it: the estimate may be wrong,
 /// and a refusal must not be.
 constexpr double kSurely = 0.5;
-constexpr std::chrono::minutes kFarthestTurn{1};
-/// Callers that were served and come again take the places of those that were told to come back, and each of
-/// these is a refusal more to pay for. So while more than kMany of them come for a job that is taken, turns
-/// are spread, up to kWidest jobs apart; fewer than kFew: drawn together again.
-constexpr unsigned kRound = 64;  // jobs
-constexpr double kMany = 0.25, kFew = 0.0625, kWidest = 4;
 constexpr std::chrono::seconds kClaim{1};  // of memory by a kept job; it asks again sooner
 
 JobRunnerOptions with_workers(JobRunnerOptions options) {
@@ -94,7 +88,7 @@ Result<JobHandle> JobRunner::submit(JobWork work, const JobCost& cost,
   queue_.push_back(job->turn, job);
   reserved_ += cost.bytes;
   ++pending_;
-  if (++taken_ == kRound) adapt_spread();
+  retry_times_.count_taken();
   job_waits_.notify_one();
   if (job->deadline != kNever) queue_changed_.notify_one();
   return JobHandle(std::move(job), this);
@@ -138,7 +132,7 @@ Result<> JobRunner::admit_to_queue(const JobCost& cost, const Turn& turn) {
   if (waiting >= places) {
     return Error{Cause::QueueFull,
                  fmt::format("every worker is busy and {} jobs wait (queue); try again later", waiting), "",
-                 next_turn()};
+                 next_retry()};
   }
   // Dynamic thresholds (Choudhury and Hahne 1998): nobody can take all places, and nobody's are held free.
   if (const std::size_t own = queue_.size_of(turn.owner); !turn.owner.empty() && own >= places - waiting) {
@@ -147,7 +141,7 @@ Result<> JobRunner::admit_to_queue(const JobCost& cost, const Turn& turn) {
         fmt::format("{} jobs of this caller wait, as many as there are places left for others (queue); "
                     "try again later",
                     own),
-        "", next_turn()};
+        "", next_retry()};
   }
   const Seconds before = backlog();
   if (options_.queue_seconds > 0s && running_.size() + waiting >= options_.workers &&
@@ -156,7 +150,7 @@ Result<> JobRunner::admit_to_queue(const JobCost& cost, const Turn& turn) {
         Cause::QueueFull,
         fmt::format("the jobs at hand are expected to take {:.0f} s (queue-seconds); try again later",
                     before.count()),
-        "", next_turn()};
+        "", next_retry()};
   }
   return {};
 }
@@ -172,7 +166,7 @@ Result<> JobRunner::admit_to_memory(const JobCost& cost, bool kept) {
       Cause::MemoryFull,
       fmt::format("the jobs at hand need {} of {} bytes (max-memory) and this one {}; try again later",
                   reserved_ + claimed, options_.max_memory, cost.bytes),
-      "", kept ? milliseconds::zero() : next_turn()};  // a kept job asks every moment, and takes no turns
+      "", kept ? milliseconds::zero() : next_retry()};  // a kept job asks every moment anyway
 }
 
 std::chrono::duration<double> JobRunner::expected_seconds(double work) const {
@@ -207,24 +201,8 @@ JobRunner::Seconds JobRunner::expected_wait(const Turn& turn) const {
   return sum / options_.workers;
 }
 
-/// When a caller that is refused now may come back. Each is given a turn of its own, behind those refused
-/// before: all at once they would be refused again.
-milliseconds JobRunner::next_turn() {
-  const auto now = Clock::now();
-  const Seconds wait = backlog() / options_.workers;
-  const Seconds each =
-      spread_ * wait / static_cast<double>(std::max<std::size_t>(1, queue_.size() + running_.size()));
-  const auto steps = [](Seconds seconds) { return std::chrono::duration_cast<Clock::duration>(seconds); };
-  next_turn_ = std::max(next_turn_ + steps(each), now + steps(wait));
-  next_turn_ = std::min(next_turn_, now + kFarthestTurn);
-  ++refused_;
-  return std::chrono::ceil<milliseconds>(next_turn_ - now);
-}
-
-void JobRunner::adapt_spread() {
-  const double refused = static_cast<double>(std::exchange(refused_, 0)) / std::exchange(taken_, 0);
-  if (refused > kMany) spread_ = std::min(kWidest, 2 * spread_);
-  if (refused < kFew) spread_ = std::max(1.0, spread_ / 2);
+milliseconds JobRunner::next_retry() {
+  return retry_times_.next(Clock::now(), backlog() / options_.workers, queue_.size() + running_.size());
 }
 
 void JobRunner::drain(std::chrono::milliseconds grace) {

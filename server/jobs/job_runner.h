@@ -16,6 +16,7 @@
 #include "core/run/run_control.h"
 #include "server/jobs/fair_line.h"
 #include "server/jobs/pace.h"
+#include "server/jobs/retry_times.h"
 
 namespace burnish {
 
@@ -75,7 +76,7 @@ class JobRunner {
   JobRunner(const JobRunner&) = delete;
   JobRunner& operator=(const JobRunner&) = delete;
 
-  /// Queues a job. Errors: QueueFull and MemoryFull with the time after which the caller's turn is expected,
+  /// Queues a job. Errors: QueueFull and MemoryFull with the time after which to come back,
   /// ShuttingDown, TooLarge for a job that needs more than all memory, DeadlineExceeded when the jobs before
   /// it are expected to take too long; then neither function of `work` is called.
   Result<JobHandle> submit(JobWork work, const JobCost& cost,
@@ -117,8 +118,7 @@ class JobRunner {
   Seconds running_seconds() const;
   Seconds backlog() const;
   Seconds expected_wait(const Turn& turn) const;
-  std::chrono::milliseconds next_turn();
-  void adapt_spread();
+  std::chrono::milliseconds next_retry();
   void work();
   void run_one(std::unique_lock<std::mutex>& lock, const JobPtr& job);
   void keep_house();
@@ -140,9 +140,7 @@ class JobRunner {
   std::uint64_t claimed_ = 0;  ///< memory that a kept job waits for
   Clock::time_point claimed_until_ = {};
   Pace pace_;
-  Clock::time_point next_turn_ = {};  ///< of the last caller that was refused for want of a place
-  double spread_ = 1;                 ///< of turns, in times of a job
-  unsigned taken_ = 0, refused_ = 0;  ///< jobs since spread_ was looked at
+  RetryTimes retry_times_;
   std::uint64_t ended_ = 0;
   std::size_t pending_ = 0;                       ///< accepted jobs whose callback has not returned yet
   std::optional<Clock::time_point> drain_until_;  ///< set: no new jobs

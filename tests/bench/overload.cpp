@@ -1,10 +1,11 @@
 // Loads a running burnishd with many callers at once and prints what became of them: with as many callers as
-// it takes, with ten times as many, and with as many as it takes again. Goodput, the share of the processor
-// time that was for jobs (which noise of the machine changes less than goodput), how fast the surplus was
-// refused, and the server's memory.
+// it takes, with ten times as many, and with as many as it takes again. Goodput, the processor time that the
+// server used, the share of it that was for jobs and what each of these took (the machine's speed changes
+// goodput and the last alike, and leaves the share alone), how fast the surplus was refused, and memory.
 //   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66] [http|grpc]
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -175,17 +176,20 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
     }
   }
   const auto used = ProcessorTime::of(pid);
-  const double jobs = used.helpers - start.helpers, rest = used.server - start.server;
+  const double tick = 1.0 / static_cast<double>(sysconf(_SC_CLK_TCK));
+  const double jobs = tick * (used.helpers - start.helpers), rest = tick * (used.server - start.server);
+  const auto answers = static_cast<double>(tally.done.size());
   calls.clear();
   std::this_thread::sleep_for(std::chrono::seconds(12));  // idle threads end, freed memory goes back
   std::printf(
-      "%-6s %4d callers: %6.1f answers/s, %.1f%% of the processor time for jobs, %zu refused (%zu without a "
+      "%-6s %4d callers: %6.1f answers/s, %.2f cores busy, %.1f%% of it jobs, %.2f ms each; %zu refused (%zu "
+      "without a "
       "retry time), %zu failed; answered in %.0f ms (median), refused in %.1f ms (median), %.1f ms (99%%); "
       "resident %.0f -> %.0f -> %.0f MB\n",
-      name, callers, static_cast<double>(tally.done.size()) / seconds, 100 * jobs / (jobs + rest),
-      tally.refused.size(), tally.without_retry, tally.failed, 1000 * quantile(tally.done, 0.5),
-      1000 * quantile(tally.refused, 0.5), 1000 * quantile(tally.refused, 0.99), before, most.load(),
-      resident_megabytes(pid));
+      name, callers, answers / seconds, (jobs + rest) / seconds, 100 * jobs / (jobs + rest),
+      1000 * jobs / answers, tally.refused.size(), tally.without_retry, tally.failed,
+      1000 * quantile(tally.done, 0.5), 1000 * quantile(tally.refused, 0.5),
+      1000 * quantile(tally.refused, 0.99), before, most.load(), resident_megabytes(pid));
   std::fflush(stdout);
 }
 

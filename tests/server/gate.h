@@ -2,7 +2,9 @@
 #pragma once
 
 #include <condition_variable>
+#include <future>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "server/jobs/jobs.h"
@@ -48,6 +50,23 @@ class Gate {
   std::condition_variable changed_;
   int entered_ = 0;
   bool open_ = false;
+};
+
+/// How a job ended: the cause that refused or stopped it, or nothing when it finished.
+using Ending = std::optional<Cause>;
+
+/// A job that waits at a gate, and the promise of its end.
+struct GatedJob {
+  std::promise<Ending> promise;
+  std::future<Ending> end = promise.get_future();
+
+  JobWork work(Gate& gate) {
+    return {.run =
+                [this, &gate](const RunControl& run, double) {
+                  promise.set_value(gate.pass(run) ? Ending() : Ending(run.stop_error().cause));
+                },
+            .refuse = [this](const Error& error) { promise.set_value(error.cause); }};
+  }
 };
 
 }  // namespace burnish::testing
