@@ -1,7 +1,8 @@
 // Loads a running burnishd with many callers at once and prints what became of them: with as many callers as
 // it takes, with ten times as many, and with as many as it takes again. Goodput, the processor time that the
 // server used, the share of it that was for jobs and what each of these took (the machine's speed changes
-// goodput and the last alike, and leaves the share alone), how fast the surplus was refused, and memory.
+// goodput and the last alike, and leaves the share alone), how fast the surplus was refused, and
+// the memory of the server and its helpers.
 //   overload HTTP_PORT GRPC_ADDRESS SERVER_PID MESH.obj [SECONDS=60] [CALLERS=66] [http|grpc]
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
@@ -53,14 +54,6 @@ std::string read_file(const std::string& path) {
   return bytes.str();
 }
 
-double resident_megabytes(const std::string& pid) {
-  std::ifstream status("/proc/" + pid + "/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmRSS:")) return std::strtod(line.c_str() + 6, nullptr) / 1024;
-  }
-  return 0;
-}
-
 /// In clock ticks, so far.
 double processor_time(const std::string& pid) {
   std::ifstream stat("/proc/" + pid + "/stat");
@@ -74,18 +67,41 @@ double processor_time(const std::string& pid) {
   return user + kernel;
 }
 
+/// The processes of its helpers.
+std::vector<std::string> helpers_of(const std::string& pid) {
+  std::vector<std::string> helpers;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + pid + "/task")) {
+    std::ifstream children(thread.path() / "children");
+    for (std::string helper; children >> helper;) helpers.push_back(helper);
+  }
+  return helpers;
+}
+
 struct ProcessorTime {
   double server = 0, helpers = 0;
 
   static ProcessorTime of(const std::string& pid) {
     ProcessorTime time{.server = processor_time(pid)};
-    for (const auto& thread : std::filesystem::directory_iterator("/proc/" + pid + "/task")) {
-      std::ifstream children(thread.path() / "children");
-      for (std::string helper; children >> helper;) time.helpers += processor_time(helper);
-    }
+    for (const std::string& helper : helpers_of(pid)) time.helpers += processor_time(helper);
     return time;
   }
 };
+
+/// Resident, of one process; pages that several share are counted by their shares.
+double megabytes_of(const std::string& pid) {
+  std::ifstream rollup("/proc/" + pid + "/smaps_rollup");
+  for (std::string line; std::getline(rollup, line);) {
+    if (line.starts_with("Pss:")) return std::strtod(line.c_str() + 4, nullptr) / 1024;
+  }
+  return 0;
+}
+
+/// Of the server and its helpers.
+double memory_megabytes(const std::string& pid) {
+  double sum = megabytes_of(pid);
+  for (const std::string& helper : helpers_of(pid)) sum += megabytes_of(helper);
+  return sum;
+}
 
 Call over_http(int port, const std::string& mesh) {
   return [port, &mesh, connection = std::make_shared<std::unique_ptr<burnish::testing::RawHttp>>()] {
@@ -161,7 +177,7 @@ double quantile(std::vector<double>& values, double share) {
 void load(const char* name, int callers, double seconds, const std::string& pid,
           const std::function<Call()>& new_call) {
   Tally tally;
-  const double before = resident_megabytes(pid);
+  const double before = memory_megabytes(pid);
   std::atomic<double> most = before;
   std::vector<Call> calls;
   const auto start = ProcessorTime::of(pid);
@@ -171,7 +187,7 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
     std::vector<std::jthread> threads;
     for (const Call& call : calls) threads.emplace_back([&] { call_until(end, call, tally); });
     while (Clock::now() < end) {
-      most = std::max(most.load(), resident_megabytes(pid));
+      most = std::max(most.load(), memory_megabytes(pid));
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
@@ -185,11 +201,11 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
       "%-6s %4d callers: %6.1f answers/s, %.2f cores busy, %.1f%% of it jobs, %.2f ms each; %zu refused (%zu "
       "without a "
       "retry time), %zu failed; answered in %.0f ms (median), refused in %.1f ms (median), %.1f ms (99%%); "
-      "resident %.0f -> %.0f -> %.0f MB\n",
+      "memory %.0f -> %.0f -> %.0f MB\n",
       name, callers, answers / seconds, (jobs + rest) / seconds, 100 * jobs / (jobs + rest),
       1000 * jobs / answers, tally.refused.size(), tally.without_retry, tally.failed,
       1000 * quantile(tally.done, 0.5), 1000 * quantile(tally.refused, 0.5),
-      1000 * quantile(tally.refused, 0.99), before, most.load(), resident_megabytes(pid));
+      1000 * quantile(tally.refused, 0.99), before, most.load(), memory_megabytes(pid));
   std::fflush(stdout);
 }
 
