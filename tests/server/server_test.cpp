@@ -172,7 +172,9 @@ TEST(Server, RefusesAtOnceOnBothTransportsWhenTheQueueIsFull) {
       << "two jobs, a second each until it is known better";
   const HttpResponse response = server.http("POST", "/v1/smooth", "mesh");
   EXPECT_EQ(response.status, 429);
-  EXPECT_EQ(response.headers.at("Retry-After"), "3") << "its turn comes after that of the one refused before";
+  const int seconds = std::stoi(response.headers.at("Retry-After"));
+  EXPECT_GE(seconds, 1) << "the one that waits, however long ago the first was refused";
+  EXPECT_LE(seconds, 3) << "after the one refused before";
   gate.open();
   EXPECT_EQ(accepted.outcomes(), (std::map<std::string, int>{{"ok", 2}}));
 }
