@@ -1,7 +1,6 @@
 #include "core/denoise/facets.h"
 
 #include <algorithm>
-#include <array>
 
 #include "core/smooth/bilateral_filter.h"
 
@@ -20,7 +19,7 @@ float between(float low, float high, float x) {
 }
 
 /// Of edges: bending at sharp ones, bending at all, share of flat ones.
-using Edges = std::array<float, 3>;
+using Edges = SimdVec3;
 
 Edges edges_of(const Faces& faces, std::span<const SimdVec3> positions, std::size_t f) {
   constexpr float kSharpCosine = 0.906F, kFlat = 0.15F;
@@ -51,16 +50,15 @@ bool weigh_facets(const Faces& faces, std::span<const SimdVec3> positions, std::
       Edges sum = edges[f];
       float count = 1;
       faces.for_each_neighbour(f, [&](Index n) {
-        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += edges[n][i];
+        sum += edges[n];
         count += 1;
       });
-      for (float& value : sum) value *= 1 / count;
-      next[f] = sum;
+      next[f] = sum * (1 / count);
     });
     edges.swap(next);
   }
   return going && for_each(faces.size(), run, [&](std::size_t f) {
-           const auto [sharp, all, flat] = edges[f];
+           const float sharp = edges[f].x(), all = edges[f].y(), flat = edges[f].z();
            weights[f] = all > 0 ? between(0.5F, 0.8F, sharp / all) * between(0.6F, 0.75F, flat) : 0;
          });
 }

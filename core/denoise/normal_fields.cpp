@@ -1,6 +1,7 @@
 #include "core/denoise/normal_fields.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace burnish {
 namespace {
@@ -9,6 +10,44 @@ namespace {
 constexpr std::array<std::size_t, 5> kAlong = {0, 2, 5, 8, 12};
 
 float difference(SimdVec3 a, SimdVec3 b) { return length(a - b); }
+
+/// The dot product of one with each of four, in the order of dot().
+SimdVec3::Lanes dots(SimdVec3 one, const std::array<SimdVec3, 4>& four) {
+  using Lanes = SimdVec3::Lanes;
+  const Lanes a = four[0].lanes(), b = four[1].lanes(), c = four[2].lanes(), d = four[3].lanes();
+  const Lanes ab = __builtin_shufflevector(a, b, 0, 4, 1, 5), cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const Lanes x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5),
+              y = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+  const Lanes z = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 6, 3, 7),
+                                          __builtin_shufflevector(c, d, 2, 6, 3, 7), 0, 1, 4, 5);
+  return x * one.x() + y * one.y() + z * one.z();
+}
+
+using Lanes = NormalFields::Lanes;
+
+/// A vector per lane.
+struct Vectors {
+  Lanes x, y, z;
+  void set(std::size_t lane, SimdVec3 v) { x[lane] = v.x(), y[lane] = v.y(), z[lane] = v.z(); }
+};
+
+// In the order of SimdVec3's.
+Lanes dots(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/// |a - b|.
+Lanes lengths(const Vectors& a, const Vectors& b) {
+  const Vectors way{a.x - b.x, a.y - b.y, a.z - b.z};
+  const Lanes squares = dots(way, way);
+  Lanes roots;
+  for (std::size_t lane = 0; lane < NormalFields::kTogether; ++lane) roots[lane] = std::sqrt(squares[lane]);
+  return roots;
+}
+
+Lanes clamped(Lanes values) {
+  constexpr float kMost = 4;
+  const Lanes above = values < -kMost ? Lanes{} - kMost : values;
+  return above > kMost ? Lanes{} + kMost : above;
+}
 
 }  // namespace
 
@@ -40,13 +79,24 @@ bool NormalFields::keep(std::size_t field, const Field& from, std::uint32_t ring
   return for_each(count, run(), [&](std::size_t f) { fields_[f][field] = from[f]; });
 }
 
-/// to(i) = unit(sum over neighbours j and i itself of A(j) weight(n(i) . n(j)) n(j)).
+/// to(i) = unit(sum over neighbours j and i itself of A(j) weight(n(i) . n(j)) n(j)). Neighbours are weighed
+/// by fours and added one by one.
 template <class Weight>
 bool NormalFields::average(const Field& from, Field& to, std::uint32_t rings, Weight&& weight) {
   return for_each(patch_->within(rings), run(), [&](std::size_t f) {
     const SimdVec3 own = from[f];
     SimdVec3 sum = own * (twice_areas_[f] * weight(1.0F));
-    for (const Index n : neighbours(f)) sum += from[n] * (twice_areas_[n] * weight(dot(own, from[n])));
+    std::span<const Index> near = neighbours(f);
+    for (; near.size() >= 4; near = near.subspan(4)) {
+      const Index a = near[0], b = near[1], c = near[2], d = near[3];
+      const SimdVec3::Lanes areas{twice_areas_[a], twice_areas_[b], twice_areas_[c], twice_areas_[d]};
+      const SimdVec3::Lanes weights = areas * weight(dots(own, {from[a], from[b], from[c], from[d]}));
+      sum += from[a] * weights[0];
+      sum += from[b] * weights[1];
+      sum += from[c] * weights[2];
+      sum += from[d] * weights[3];
+    }
+    for (const Index n : near) sum += from[n] * (twice_areas_[n] * weight(dot(own, from[n])));
     to[f] = unit_or(sum, twice_areas_[f], own);
   });
 }
@@ -68,13 +118,14 @@ bool NormalFields::filter(std::initializer_list<Kept> kept, Weight&& weight) {
 }
 
 bool NormalFields::widen() {
-  return filter({{1, 1}, {3, 2}, {6, 3}}, [](float) { return 1.0F; });
+  return filter({{1, 1}, {3, 2}, {6, 3}}, [](auto cosine) { return decltype(cosine){} + 1; });
 }
 
 /// Neighbours count by how much the cosine of the angle exceeds the threshold, squared (Sun et al. 2007).
 bool NormalFields::narrow(float threshold, std::initializer_list<Kept> kept) {
-  return filter(kept, [&](float cosine) {
-    const float above = std::max(cosine - threshold, 0.0F);
+  return filter(kept, [&](auto cosine) {
+    const auto past = cosine - threshold;
+    const auto above = past < 0 ? decltype(cosine){} : past;
     return above * above;
   });
 }
@@ -196,23 +247,32 @@ NormalFields::Differences NormalFields::Whole::usual(float fineness) const {
   return means;
 }
 
-void NormalFields::describe(std::size_t face, const Whole& whole, Inputs& inputs) const {
-  const auto& fields = fields_[face];
+void NormalFields::describe(std::size_t first, std::size_t count, const Whole& whole, Inputs& inputs) const {
+  const float per_edge = mean_edge_ > 0 ? 1 / mean_edge_ : 0;
+  std::array<Vectors, kFields> n;
+  Vectors near, far;
+  std::array<Lanes, 1 + kGlobals + kRegionals> rest;
+  for (std::size_t lane = 0; lane < kTogether; ++lane) {
+    const std::size_t face = first + std::min(lane, count - 1);
+    for (std::size_t k = 0; k < kFields; ++k) n[k].set(lane, fields_[face][k]);
+    near.set(lane, (near_centroids_[face] - centroids_[face]) * per_edge);
+    far.set(lane, (far_centroids_[face] - centroids_[face]) * per_edge);
+    rest[0][lane] = std::min(std::sqrt(twice_areas_[face]) * per_edge, 4.0F);
+    const Differences usual = whole.usual(whole.fineness(local_areas_[face]));
+    for (std::size_t i = 0; i < kGlobals; ++i) rest[1 + i][lane] = usual[i];
+    for (std::size_t i = 0; i < kRegionals; ++i) rest[1 + kGlobals + i][lane] = regions_[face][i];
+  }
   std::size_t at = 0;
   for (std::size_t a = 0; a < kFields; ++a) {
-    for (std::size_t b = a + 1; b < kFields; ++b) inputs[at++] = difference(fields[a], fields[b]);
+    for (std::size_t b = a + 1; b < kFields; ++b) inputs[at++] = lengths(n[a], n[b]);
   }
-  const float per_edge = mean_edge_ > 0 ? 1 / mean_edge_ : 0;
-  const SimdVec3 near = (near_centroids_[face] - centroids_[face]) * per_edge,
-                 far = (far_centroids_[face] - centroids_[face]) * per_edge;
   for (const std::size_t along : kAlong) {
-    inputs[at++] = std::clamp(dot(near, fields[along]), -4.0F, 4.0F);
-    inputs[at++] = std::clamp(dot(far, fields[along]), -4.0F, 4.0F);
+    inputs[at++] = clamped(dots(near, n[along]));
+    inputs[at++] = clamped(dots(far, n[along]));
   }
-  inputs[at++] = std::min(std::sqrt(twice_areas_[face]) * per_edge, 4.0F);
-  inputs[at++] = std::min(length(far - near), 4.0F);
-  for (const float mean : whole.usual(whole.fineness(local_areas_[face]))) inputs[at++] = mean;
-  for (std::size_t i = 0; i < kRegionals; ++i) inputs[at++] = regions_[face][i];
+  inputs[at++] = rest[0];
+  inputs[at++] = clamped(lengths(far, near));
+  std::copy(rest.begin() + 1, rest.end(), inputs.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
 SimdVec3 NormalFields::blend(std::size_t face, const Weights& weights) const {

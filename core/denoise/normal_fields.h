@@ -21,7 +21,10 @@ class NormalFields {
   /// five of the fields, in mean edge lengths, and its size; means of some differences over the whole mesh,
   /// of triangles as large as those around the face, and of some over the region around it.
   static constexpr std::size_t kInputs = kPairs + kOffsets + kGlobals + kRegionals;
-  using Inputs = std::array<float, kInputs>;
+  /// Faces that are described together, one per lane.
+  static constexpr std::size_t kTogether = 8;
+  using Lanes = float __attribute__((vector_size(4 * kTogether)));
+  using Inputs = std::array<Lanes, kInputs>;
   using Weights = std::array<float, kFields>;
 
   using Differences = std::array<float, kGlobals>;
@@ -58,8 +61,8 @@ class NormalFields {
   /// Twice the area of the triangles around the face, as seen along smoothed normals, so that noise does not
   /// enlarge them: averaged over two rings.
   float local_area(std::size_t face) const { return local_areas_[face]; }
-  /// Thread-safe.
-  void describe(std::size_t face, const Whole& whole, Inputs& inputs) const;
+  /// Of `count` faces from `first` on, 1 to kTogether; what further lanes hold means nothing. Thread-safe.
+  void describe(std::size_t first, std::size_t count, const Whole& whole, Inputs& inputs) const;
   /// The unit normal along the weighted sum of the fields.
   SimdVec3 blend(std::size_t face, const Weights& weights) const;
 

@@ -10,11 +10,11 @@ namespace {
 constexpr std::size_t kInputs = NormalFields::kInputs, kFields = NormalFields::kFields;
 constexpr std::size_t kFirst = NormalNetwork::kFirst, kSecond = NormalNetwork::kSecond;
 /// Units that are computed together, and faces: one per lane.
-constexpr std::size_t kTogether = 4, kFaces = 8;
+constexpr std::size_t kTogether = 4, kFaces = NormalFields::kTogether;
 /// Rows of the last layer, filled up with zeros.
 constexpr std::size_t kOutputs = (kFields + kTogether - 1) / kTogether * kTogether;
 
-using Lanes = float __attribute__((vector_size(4 * kFaces)));
+using Lanes = NormalFields::Lanes;
 
 /// Rows by fours: the four biases, then for each input the four factors.
 void regroup(std::span<const float> matrix, std::span<const float> bias, std::size_t outputs,
@@ -91,14 +91,11 @@ bool NormalNetwork::predict(const NormalFields& fields, const NormalFields::Whol
   static const Network kNetwork = widest();
   return parallel_for(fields.size(), run, [&](std::size_t begin, std::size_t end) {
     NormalFields::Inputs inputs;
-    Lanes in[kInputs] = {}, out[kOutputs];
+    Lanes out[kOutputs];
     for (std::size_t first = begin; first < end; first += kFaces) {
       const std::size_t faces = std::min(kFaces, end - first);
-      for (std::size_t lane = 0; lane < faces; ++lane) {
-        fields.describe(first + lane, whole, inputs);
-        for (std::size_t i = 0; i < kInputs; ++i) in[i][lane] = inputs[i];
-      }
-      kNetwork(numbers_.data(), in, out);
+      fields.describe(first, faces, whole, inputs);
+      kNetwork(numbers_.data(), inputs.data(), out);
       for (std::size_t lane = 0; lane < faces; ++lane) {
         NormalFields::Weights weights;
         for (std::size_t k = 0; k < kFields; ++k) weights[k] = out[k][lane];

@@ -19,17 +19,27 @@ std::vector<SimdVec3> positions_of(const Surface& surface) {
   return {surface.mesh.positions.begin(), surface.mesh.positions.end()};
 }
 
-/// What the networks see of each face.
-std::vector<NormalFields::Inputs> inputs(const Surface& surface, std::size_t most_faces) {
+/// What the networks see of a face.
+using Seen = std::array<float, NormalFields::kInputs>;
+
+/// Of each face.
+std::vector<Seen> inputs(const Surface& surface, std::size_t most_faces,
+                         std::size_t together = NormalFields::kTogether) {
   const RunControl run;
   const Faces faces(surface, FaceNeighbourhood::Vertices, run);
   NormalPatches patches(surface, faces, run, most_faces);
-  std::vector<NormalFields::Inputs> result(faces.size());
+  std::vector<Seen> result(faces.size());
   std::size_t seen = 0;
   const bool done = patches.measure(positions_of(surface), [&](const NormalFields& fields) {
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-      fields.describe(f, patches.whole(), result[fields.number(f)]);
-      ++seen;
+    NormalFields::Inputs described;
+    for (std::size_t first = 0; first < fields.size(); first += together) {
+      const std::size_t count = std::min(together, fields.size() - first);
+      fields.describe(first, count, patches.whole(), described);
+      for (std::size_t lane = 0; lane < count; ++lane) {
+        Seen& of_face = result[fields.number(first + lane)];
+        for (std::size_t i = 0; i < of_face.size(); ++i) of_face[i] = described[i][lane];
+      }
+      seen += count;
     }
     return true;
   });
@@ -45,6 +55,13 @@ TEST(NormalPatches, GiveTheSameNumbersHoweverTheMeshIsParted) {
     EXPECT_EQ(inputs(surface, 1000), whole);
     EXPECT_EQ(inputs(surface, 777), whole);
   }
+}
+
+TEST(NormalPatches, GiveTheSameNumbersHoweverManyFacesAreDescribedTogether) {
+  const Surface surface = surface_of(testing::with_noise(testing::cube(5), 0.2));
+  const auto by_eights = inputs(surface, surface.mesh.triangles.size());
+  for (const std::size_t together : {1, 3, 7})
+    EXPECT_EQ(inputs(surface, surface.mesh.triangles.size(), together), by_eights);
 }
 
 /// A cone of so many triangles, and one more at its rim.

@@ -96,8 +96,8 @@ Samples::Samples(Index most)
 void Samples::add(const NormalFields& fields_of, const NormalFields::Whole& whole, std::size_t face,
                   SimdVec3 normal) {
   NormalFields::Inputs described;
-  fields_of.describe(face, whole, described);
-  inputs.col(count) = Eigen::Map<const VectorXf>(described.data(), inputs.rows());
+  fields_of.describe(face, 1, whole, described);
+  for (Index i = 0; i < inputs.rows(); ++i) inputs(i, count) = described[static_cast<std::size_t>(i)][0];
   for (Index k = 0; k < kFields; ++k) {
     const SimdVec3 n = fields_of.field(static_cast<std::size_t>(k), face);
     fields.col(count).segment<3>(3 * k) << n.x(), n.y(), n.z();
