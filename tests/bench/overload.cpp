@@ -87,19 +87,19 @@ struct ProcessorTime {
   }
 };
 
-/// Resident, of one process; pages that several share are counted by their shares.
-double megabytes_of(const std::string& pid) {
+/// Of one process: "Rss", all that is resident, or "Anonymous", what is not of files.
+double megabytes_of(const std::string& pid, const std::string& kind) {
   std::ifstream rollup("/proc/" + pid + "/smaps_rollup");
   for (std::string line; std::getline(rollup, line);) {
-    if (line.starts_with("Pss:")) return std::strtod(line.c_str() + 4, nullptr) / 1024;
+    if (line.starts_with(kind + ":")) return std::strtod(line.c_str() + kind.size() + 1, nullptr) / 1024;
   }
   return 0;
 }
 
-/// Of the server and its helpers.
+/// Of the server and its helpers, which run the same program: its pages count once.
 double memory_megabytes(const std::string& pid) {
-  double sum = megabytes_of(pid);
-  for (const std::string& helper : helpers_of(pid)) sum += megabytes_of(helper);
+  double sum = megabytes_of(pid, "Rss");
+  for (const std::string& helper : helpers_of(pid)) sum += megabytes_of(helper, "Anonymous");
   return sum;
 }
 
@@ -201,7 +201,7 @@ void load(const char* name, int callers, double seconds, const std::string& pid,
       "%-6s %4d callers: %6.1f answers/s, %.2f cores busy, %.1f%% of it jobs, %.2f ms each; %zu refused (%zu "
       "without a "
       "retry time), %zu failed; answered in %.0f ms (median), refused in %.1f ms (median), %.1f ms (99%%); "
-      "memory %.0f -> %.0f -> %.0f MB\n",
+      "memory %.1f -> %.1f -> %.1f MB\n",
       name, callers, answers / seconds, (jobs + rest) / seconds, 100 * jobs / (jobs + rest),
       1000 * jobs / answers, tally.refused.size(), tally.without_retry, tally.failed,
       1000 * quantile(tally.done, 0.5), 1000 * quantile(tally.refused, 0.5),
