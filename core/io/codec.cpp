@@ -94,13 +94,20 @@ Result<std::unique_ptr<Document>> decode(std::string_view bytes, std::optional<F
         Cause::UnsupportedFormat,
         "the mesh is in none of the formats that are known by their content: " + list_of_format_names()};
   }
-  return codec_of(*format).decode(bytes, limits, run);
+  const std::string_view mesh = behind_byte_order_mark(bytes, *format);
+  auto document = codec_of(*format).decode(mesh, limits, run);
+  if (document) (*document)->has_byte_order_mark_ = mesh.size() < bytes.size();
+  return document;
 }
 
 Result<Encoded> encode(const Document& document, const MovedPositions& moved, const OutputOptions& options,
                        const RunControl& run) {
   const Format target = options.format.value_or(document.format());
-  if (target == document.format()) return document.encode_same(moved, options, run);
+  if (target == document.format()) {
+    auto encoded = document.encode_same(moved, options, run);
+    if (encoded && document.has_byte_order_mark()) encoded->bytes.insert(0, kByteOrderMark);
+    return encoded;
+  }
   auto attributes = document.shared_attributes(moved, run);
   if (!attributes) return attributes.error();
   return encode_as(target, moved, document.triangles(), std::move(*attributes), options, run);

@@ -69,12 +69,14 @@ struct Encoded {
   std::vector<Warning> warnings;
 };
 
-/// A decoded file. Immutable; safe to read from many threads.
+/// A decoded file. Immutable once decode() returned it; safe to read from many threads.
 class Document {
  public:
   virtual ~Document() = default;
 
   Format format() const { return format_; }
+  /// Whether the file is text behind a byte order mark, which encode() puts there again.
+  bool has_byte_order_mark() const { return has_byte_order_mark_; }
   std::span<const Vec3d> positions() const { return positions_; }     ///< file order, file unit
   std::span<const Triangle> triangles() const { return triangles_; }  ///< polygons as fans, file order
 
@@ -95,7 +97,7 @@ class Document {
   virtual Result<std::vector<Index>> group_vertices(std::string_view name, const RunControl& run) const;
   virtual Result<std::vector<Index>> attribute_vertices(std::string_view name, const RunControl& run) const;
 
-  /// Writes the same format back. `options.format` is ignored.
+  /// Writes the same format back, without a byte order mark. `options.format` is ignored.
   virtual Result<Encoded> encode_same(const MovedPositions& moved, const OutputOptions& options,
                                       const RunControl& run) const = 0;
   /// What can be carried into another format, with normals recomputed for the moved positions.
@@ -111,6 +113,11 @@ class Document {
   std::vector<Vec3d> positions_;
   std::vector<Triangle> triangles_;
   std::vector<Index> parts_;
+
+ private:
+  friend Result<std::unique_ptr<Document>> decode(std::string_view, std::optional<Format>, const Limits&,
+                                                  const RunControl&);
+  bool has_byte_order_mark_ = false;
 };
 
 /// Decodes and checks. `bytes` must stay alive and unchanged as long as the Document. `format` unset:

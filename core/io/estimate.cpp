@@ -128,7 +128,7 @@ Estimate estimate_draco(std::string_view bytes) {
 }
 
 Estimate estimate_declared(std::string_view bytes, Format format) {
-  const auto counts = declared_counts(bytes, format);
+  const auto counts = declared_counts(behind_byte_order_mark(bytes, format), format);
   if (!counts) return estimate(bytes.size(), format);
   return make_estimate(counts->vertices * kOtherVertex + counts->triangles * kOtherTriangle +
                            counts->rows * kOtherRow +

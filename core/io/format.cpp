@@ -104,6 +104,10 @@ bool has_signature(std::string_view bytes, std::string_view signature) {
   return !(goes_on_as_text && has_binary_stl_size(bytes));
 }
 
+std::string_view behind_byte_order_mark(std::string_view bytes) {
+  return bytes.substr(bytes.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
+}
+
 /// "ply" alone on the first line.
 bool is_ply(std::string_view head) {
   std::string_view rest = head;
@@ -175,14 +179,19 @@ bool looks_like_text(std::string_view bytes) {
   });
 }
 
+std::string_view behind_byte_order_mark(std::string_view bytes, Format format) {
+  const bool binary = !traits_of(format).may_be_text || (format == Format::Stl && has_binary_stl_size(bytes));
+  return binary ? bytes : behind_byte_order_mark(bytes);
+}
+
 std::optional<Format> detect_format(std::string_view bytes) {
   if (has_signature(bytes, "DRACO")) return Format::Draco;
   if (has_signature(bytes, "glTF")) return Format::Glb;
-  const std::string_view head = bytes.substr(0, kSeenBytes);
+  const std::string_view behind = behind_byte_order_mark(bytes), head = behind.substr(0, kSeenBytes);
   if (is_ply(head)) return Format::Ply;
   if (has_binary_stl_size(bytes)) return Format::Stl;
   if (is_off(head)) return Format::Off;
-  const bool text = looks_like_text(bytes);
+  const bool text = looks_like_text(behind);
   if (is_text_stl(head)) return Format::Stl;
   if (text) return Format::Obj;
   // A binary STL that was cut off: its own reader tells how.

@@ -37,9 +37,15 @@ std::string list_of_media_types();
 /// True unless the first 4096 bytes hold a control character that no text has.
 bool looks_like_text(std::string_view bytes);
 
-/// Tells the format by content: the signatures of Draco, glTF binary and PLY, the size of a binary STL, the
-/// first word of OFF and of text STL, else OBJ when it looks like text; nothing when it is none of them.
-/// Reads 64 KiB at most.
+/// U+FEFF in UTF-8, which some programs put before text.
+inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+/// The bytes behind a byte order mark; all of them where there is none, or where the format has bytes of its
+/// own in that place.
+std::string_view behind_byte_order_mark(std::string_view bytes, Format format);
+
+/// Tells the format by content, behind a byte order mark: the signatures of Draco, glTF binary and PLY, the
+/// size of a binary STL, the first word of OFF and of text STL, else OBJ when it looks like text; nothing
+/// when it is none of them. Reads 64 KiB at most.
 std::optional<Format> detect_format(std::string_view bytes);
 
 }  // namespace burnish

@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <set>
+#include <string>
 
 #include "core/io/codec.h"
+#include "core/io/estimate.h"
+#include "tests/core/format_fixture.h"
 #include "tests/support/shapes.h"
 
 namespace burnish::testing {
@@ -59,6 +64,76 @@ TEST(Format, OfABinaryStlIsToldByItsSizeWhateverItsHeaderSays) {
     EXPECT_EQ(detect_format(binary_stl(header, 3, 2)), Format::Stl) << header << ", with two bytes behind";
   }
   EXPECT_EQ(detect_format(binary_stl("by a scanner", 3, 50)), std::nullopt);
+}
+
+/// A tetrahedron in every format that may be text.
+const std::map<Format, std::string>& texts() {
+  static const std::map<Format, std::string> kTexts = [] {
+    const std::string points[] = {"0 0 0", "1 0 0", "0 1 0", "0 0 1"};
+    const int faces[][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    std::string obj, lists, stl = "solid of text\n";
+    for (const std::string& point : points) obj += "v " + point + "\n", lists += point + "\n";
+    for (const auto& [a, b, c] : faces) {
+      obj += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
+      lists += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+      stl += "facet normal 0 0 0\nouter loop\n";
+      for (const int corner : {a, b, c}) stl += "vertex " + points[corner] + "\n";
+      stl += "endloop\nendfacet\n";
+    }
+    return std::map<Format, std::string>{
+        {Format::Obj, obj},
+        {Format::Off, "OFF\n4 4 6\n" + lists},
+        {Format::Ply,
+         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+         "z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n" +
+             lists},
+        {Format::Stl, stl + "endsolid of text\n"}};
+  }();
+  return kTexts;
+}
+
+TEST(ByteOrderMark, IsNotPartOfTheTextBehindIt) {
+  for (const auto& [format, text] : texts()) {
+    const std::string marked = std::string(kByteOrderMark) + text;
+    EXPECT_EQ(detect_format(marked), format);
+    const LoadedFile plain(text), file(marked);
+    EXPECT_TRUE(std::ranges::equal(file.document->positions(), plain.document->positions()));
+    EXPECT_TRUE(std::ranges::equal(file.document->triangles(), plain.document->triangles()));
+    EXPECT_EQ(file.document->vertex_place(3), plain.document->vertex_place(3)) << "the mark is in no line";
+    EXPECT_EQ(estimate(marked, format).triangles, estimate(text, format).triangles);
+    EXPECT_EQ(error_of(std::string(kByteOrderMark) + "nothing like it", format).message,
+              error_of("nothing like it", format).message);
+  }
+}
+
+TEST(ByteOrderMark, StaysBeforeTheSameFormatOnly) {
+  for (const auto& [format, text] : texts()) {
+    LoadedFile plain(text), file(std::string(kByteOrderMark) + text);
+    EXPECT_EQ(file.written(), file.bytes) << "what did not move comes back to the byte";
+    plain.move_all(), file.move_all();
+    EXPECT_EQ(file.written(), std::string(kByteOrderMark) + plain.written());
+    for (const FormatTraits& other : formats()) {
+      if (other.format == format) continue;
+      EXPECT_EQ(file.written(other.format), plain.written(other.format)) << other.name;
+    }
+  }
+}
+
+TEST(ByteOrderMark, IsNoneInTheHeaderOfABinaryStl) {
+  const std::string marked = binary_stl(std::string(kByteOrderMark) + "by a scanner", 12);
+  EXPECT_EQ(detect_format(marked), Format::Stl);
+  EXPECT_EQ(behind_byte_order_mark(marked, Format::Stl), marked);
+  EXPECT_EQ(behind_byte_order_mark("\xEF\xBB\xBF"
+                                   "DRACO",
+                                   Format::Draco),
+            "\xEF\xBB\xBF"
+            "DRACO");
+}
+
+TEST(ByteOrderMark, CutOffIsNone) {
+  for (const std::size_t size : {1, 2})
+    EXPECT_EQ(behind_byte_order_mark(kByteOrderMark.substr(0, size), Format::Obj).size(), size);
+  EXPECT_EQ(error_of(kByteOrderMark, Format::Obj).message, error_of("", Format::Obj).message);
 }
 
 TEST(Format, OfABinaryStlThatWasCutOffIsToldByItsHeaderOfText) {
