@@ -94,7 +94,7 @@ TEST(HttpStop, EndsConnectionsThatAskNothing) {
   EXPECT_EQ(idle.read_response().status, 200);
   const auto begun = std::chrono::steady_clock::now();
   house.server->stop(seconds(60));
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, seconds(30)) << "did not wait for them";
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, seconds(2));
   EXPECT_EQ(idle.read_all(), "");
   EXPECT_EQ(silent.read_all(), "");
   house.server->stop(seconds(60));
@@ -139,7 +139,7 @@ TEST(HttpStop, EndsWithinItsPatienceWhateverClientsDo) {
   head.send("GET");
   const auto begun = std::chrono::steady_clock::now();
   house.server->stop(milliseconds(200));
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, seconds(30)) << "nor for what clients do";
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, seconds(5));
 }
 
 TEST(HttpStop, CancelsJobsThatOutlastItsPatience) {
