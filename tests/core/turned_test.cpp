@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <set>
 
 #include "core/io/codec.h"
 #include "core/shape/noise.h"
@@ -136,26 +137,66 @@ Vec3d normal_of(const Shape& shape, std::size_t f) {
   return cross(shape.positions[b] - shape.positions[a], shape.positions[c] - shape.positions[a]);
 }
 
-/// Triangles turned against the original that were not in the scan: 2 and 45 when facets and planes went
-/// unchecked, of which 22 are against it without them; in ten places the original itself is folded over.
-TEST(LearnedNormals, SeldomTurnATriangleAgainstTheOriginal) {
-  for (const auto& [name, most] : {std::pair{"Block0.4", 0U}, {"SharpSphere0.3", 26U}}) {
-    const std::string folder = std::string("pairs/") + name;
-    if (read_file(real_mesh(folder + "/Noisy.obj")).empty()) GTEST_SKIP() << "no " << folder;
-    const Shape original = shape_of_file(folder + "/Original.obj"),
-                scan = shape_of_file(folder + "/Noisy.obj");
-    ASSERT_EQ(original.triangles, scan.triangles);
-    const Shape result = smoothed(scan,
-                                  [](Surface& surface, const IterationOptions& options) {
-                                    return smooth_learned_normals(surface, {}, options, {});
-                                  },
-                                  {.iterations = kLearnedStages});
-    unsigned turned = 0;
-    for (std::size_t f = 0; f < scan.triangles.size(); ++f) {
-      const Vec3d truth = normal_of(original, f);
-      turned += dot(normal_of(result, f), truth) < 0 && dot(normal_of(scan, f), truth) >= 0 ? 1U : 0U;
-    }
-    EXPECT_LE(turned, most) << name;
+Shape denoised(const Shape& scan) {
+  return smoothed(scan,
+                  [](Surface& surface, const IterationOptions& options) {
+                    return smooth_learned_normals(surface, {}, options, {});
+                  },
+                  {.iterations = kLearnedStages});
+}
+
+/// Triangles that lie with those around them in `scan` and against them in `result`: what flipped means to
+/// whoever has neither the original nor the predicted normals.
+unsigned folded_over(const Shape& scan, const Shape& result) {
+  std::vector<std::vector<std::size_t>> at(scan.positions.size());
+  for (std::size_t f = 0; f < scan.triangles.size(); ++f)
+    for (const Index v : scan.triangles[f]) at[v].push_back(f);
+  const auto lies_with_its_ring = [&at](const Shape& shape, std::size_t f) {
+    std::set<std::size_t> ring;
+    for (const Index v : shape.triangles[f]) ring.insert(at[v].begin(), at[v].end());
+    ring.erase(f);
+    Vec3d sum{};
+    for (const std::size_t g : ring) sum = sum + normal_of(shape, g);
+    return dot(normal_of(shape, f), sum) > 0;
+  };
+  unsigned count = 0;
+  for (std::size_t f = 0; f < scan.triangles.size(); ++f)
+    count += lies_with_its_ring(scan, f) && !lies_with_its_ring(result, f) ? 1U : 0U;
+  return count;
+}
+
+/// Bunny0.2 2, Fandisk0.3 1, Fandisk0.7 2 and SharpSphere0.3 15 when nothing is taken back. Of the 13, nine
+/// are folded over in the original too, whose creases are a few triangles apart.
+TEST(LearnedNormals, FoldNoTriangleOver) {
+  for (const auto& [name, most] : {std::pair{"Block0.4", 0U},
+                                   {"Bunny0.2", 0U},
+                                   {"Fandisk0.3", 0U},
+                                   {"Fandisk0.7", 0U},
+                                   {"SharpSphere0.3", 13U}}) {
+    const std::string file = std::string("pairs/") + name + "/Noisy.obj";
+    if (read_file(real_mesh(file)).empty()) GTEST_SKIP() << "no " << file;
+    const Shape scan = shape_of_file(file);
+    EXPECT_LE(folded_over(scan, denoised(scan)), most) << name;
+  }
+}
+
+/// In the frame of its surface.
+Shape noisy(Shape shape, const NoiseOptions& options) {
+  Surface surface = surface_of(shape);
+  EXPECT_TRUE(add_noise(surface, options));
+  std::ranges::transform(surface.mesh.positions, shape.positions.begin(), [](const auto& p) {
+    return Vec3d{p.x, p.y, p.z};
+  });
+  return shape;
+}
+
+/// 3, 1, 0 and 4 when nothing is taken back; of some 6000 triangles noise folded over 700 to 900.
+TEST(LearnedNormals, FoldNoTriangleOverUnderMuchNoise) {
+  for (const char* name : {"stairs", "bracket", "cone", "relief"}) {
+    const Shape scan = noisy(procedural_shape(name, 11, 6000).shape, {.amplitude = 0.7, .seed = 5});
+    const Shape result = denoised(scan);
+    EXPECT_EQ(folded_over(scan, result), 0U) << name;
+    EXPECT_GT(folded_over(result, scan), 500U) << name;
   }
 }
 
