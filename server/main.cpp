@@ -46,12 +46,12 @@ void allow_many_files() {
 /// glibc otherwise moves this bound up to 32 MiB, so that what a large mesh leaves lies between the blocks of
 /// the next: up to ten times its file's size after a few jobs, where seven and a half are enough. Fixing it
 /// also fixes the bound above which free memory is given back, at 128 KiB, so that every small job would ask
-/// for its memory anew. And hundreds of connections at once spread over eight arenas a core, each of which
-/// keeps pages that a few blocks are left on.
-void bound_what_malloc_keeps() {
+/// for its memory anew. And blocks of hundreds of connections at once spread over eight arenas a core;
+/// malloc_trim leaves the top of each but the first as it is, up to the bound for trimming.
+void bound_what_malloc_keeps(int arenas) {
   mallopt(M_MMAP_THRESHOLD, 4 << 20);
   mallopt(M_TRIM_THRESHOLD, 4 << 20);
-  mallopt(M_ARENA_MAX, static_cast<int>(std::max(2U, std::thread::hardware_concurrency())));
+  mallopt(M_ARENA_MAX, arenas);
 }
 
 /// Debian builds Abseil, whose mutexes gRPC uses, with checks of the order in which they are locked: a graph
@@ -79,13 +79,17 @@ void stop(burnish::Server& server, std::chrono::seconds grace, const sigset_t& s
 
 int main(int argc, char** argv) {
   const sigset_t signals = block_stop_signals();
-  bound_what_malloc_keeps();
   leave_locks_unchecked();
-  if (argc == 2 && std::string_view(argv[1]) == burnish::kHelperArgument) return burnish::run_helper();
+  const int per_core = static_cast<int>(std::max(2U, std::thread::hardware_concurrency()));
+  if (argc == 2 && std::string_view(argv[1]) == burnish::kHelperArgument) {
+    bound_what_malloc_keeps(per_core);
+    return burnish::run_helper();
+  }
   auto parsed = burnish::parse_config(argc, argv);
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
   auto& config = std::get<burnish::Config>(parsed);
   if (config.health_check) return report_health(config);
+  bound_what_malloc_keeps(config.sandbox ? 1 : per_core);  // where meshes are worked on, and where only sent
   config.helper_program = "/proc/self/exe";  // this very program, also when its file was replaced
   config.page = burnish::page_files();
   burnish::set_up_log(config.log_level);

@@ -2,6 +2,8 @@
 
 import concurrent.futures
 import json
+import pathlib
+import re
 import signal
 import socket
 import subprocess
@@ -42,6 +44,25 @@ class Healthcheck(unittest.TestCase):
         with socket.create_server(("127.0.0.1", 0)) as deaf:
             code, said = healthcheck("--http-listen", "127.0.0.1:%d" % deaf.getsockname()[1])
         self.assertEqual((code, said), (1, "burnishd: not ready: no answer to GET /readyz within 5 s\n"))
+
+
+class Heaps(MeshTest):
+    """glibc gives a thread a heap of its own, in 64 MiB of addresses that end at a multiple of 64 MiB, unless it is told
+    how many there shall be."""
+
+    def heaps_of_threads(self, *flags):
+        with Server(*flags) as server:
+            server.stub().Smooth(smooth_request(self.noisy))
+            self.assertEqual(server.post(self.noisy).status, 200)
+            maps = pathlib.Path(f"/proc/{server.process.pid}/maps").read_text()
+        ends = re.findall(r"^\w+-(\w+) ---p 00000000 00:00 0 $", maps, re.MULTILINE)
+        return sum(int(end, 16) % (64 << 20) == 0 for end in ends)
+
+    def test_what_helpers_work_on_passes_through_one(self):
+        self.assertEqual(self.heaps_of_threads(), 0)
+
+    def test_without_helpers_threads_have_their_own(self):
+        self.assertGreater(self.heaps_of_threads("--sandbox=false"), 0)
 
 
 class Lifecycle(MeshTest):
