@@ -1,14 +1,19 @@
 // burnishd: flags, signals, wiring.
 #include <malloc.h>
+#include <sys/auxv.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <future>
 #include <string_view>
+#include <system_error>
 #include <thread>
 
 #include <absl/synchronization/mutex.h>
@@ -54,6 +59,17 @@ void bound_what_malloc_keeps(int arenas) {
   mallopt(M_ARENA_MAX, arenas);
 }
 
+/// glibc otherwise keeps up to 450 freed blocks per thread, each of which holds a page that cannot be given
+/// back. It reads this when a program starts, so this one starts again; not where the environment says
+/// something of its own, nor with rights that take the environment away.
+void keep_no_blocks_per_thread(char** argv) {
+  if (std::getenv("GLIBC_TUNABLES") != nullptr || getauxval(AT_SECURE) != 0) return;
+  std::error_code failure;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failure);
+  if (failure || setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0", 1) != 0) return;
+  execv(program.c_str(), argv);  // comes back when it cannot; then some more memory is kept
+}
+
 /// Debian builds Abseil, whose mutexes gRPC uses, with checks of the order in which they are locked: a graph
 /// of all that there are, behind one lock.
 void leave_locks_unchecked() { absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore); }
@@ -89,7 +105,8 @@ int main(int argc, char** argv) {
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
   auto& config = std::get<burnish::Config>(parsed);
   if (config.health_check) return report_health(config);
-  bound_what_malloc_keeps(config.sandbox ? 1 : per_core);  // where meshes are worked on, and where only sent
+  if (config.sandbox) keep_no_blocks_per_thread(argv);
+  bound_what_malloc_keeps(config.sandbox ? 1 : per_core);  // helpers work on meshes, this one passes them on
   config.helper_program = "/proc/self/exe";  // this very program, also when its file was replaced
   config.page = burnish::page_files();
   burnish::set_up_log(config.log_level);

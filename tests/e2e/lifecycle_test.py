@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 import grpc
 
@@ -44,6 +45,27 @@ class Healthcheck(unittest.TestCase):
         with socket.create_server(("127.0.0.1", 0)) as deaf:
             code, said = healthcheck("--http-listen", "127.0.0.1:%d" % deaf.getsockname()[1])
         self.assertEqual((code, said), (1, "burnishd: not ready: no answer to GET /readyz within 5 s\n"))
+
+
+class FreedBlocks(unittest.TestCase):
+    """What glibc keeps of them per thread it reads from the environment that a program starts with."""
+
+    def tunables(self, *flags):
+        with Server(*flags) as server:
+            of_server = pathlib.Path(f"/proc/{server.process.pid}")
+            self.assertEqual((of_server / "comm").read_text(), "burnishd\n")
+            return re.findall(r"GLIBC_TUNABLES=([^\0]*)", (of_server / "environ").read_text())
+
+    def test_are_not_kept(self):
+        self.assertEqual(self.tunables(), ["glibc.malloc.tcache_count=0"])
+
+    def test_are_kept_where_jobs_run(self):
+        self.assertEqual(self.tunables("--sandbox=false"), [])
+
+    def test_are_kept_as_the_environment_says(self):
+        for setting in "glibc.malloc.tcache_count=3", "":
+            with self.subTest(setting), unittest.mock.patch.dict(ENVIRONMENT, GLIBC_TUNABLES=setting):
+                self.assertEqual(self.tunables(), [setting])
 
 
 class Heaps(MeshTest):
