@@ -101,11 +101,11 @@ int main(int argc, char** argv) {
     bound_what_malloc_keeps(per_core);
     return burnish::run_helper();
   }
+  keep_no_blocks_per_thread(argv);  // before anything is read: settings may come through a pipe
   auto parsed = burnish::parse_config(argc, argv);
   if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
   auto& config = std::get<burnish::Config>(parsed);
   if (config.health_check) return report_health(config);
-  if (config.sandbox) keep_no_blocks_per_thread(argv);
   bound_what_malloc_keeps(config.sandbox ? 1 : per_core);  // helpers work on meshes, this one passes them on
   config.helper_program = "/proc/self/exe";  // this very program, also when its file was replaced
   config.page = burnish::page_files();

@@ -145,6 +145,25 @@ Shape denoised(const Shape& scan) {
                   {.iterations = kLearnedStages});
 }
 
+/// Triangles turned against the original that were not in the scan: 2 and 45 when facets and planes went
+/// unchecked, of which 22 are against it without them; in ten places the original itself is folded over.
+TEST(LearnedNormals, SeldomTurnATriangleAgainstTheOriginal) {
+  for (const auto& [name, most] : {std::pair{"Block0.4", 0U}, {"SharpSphere0.3", 26U}}) {
+    const std::string folder = std::string("pairs/") + name;
+    if (read_file(real_mesh(folder + "/Noisy.obj")).empty()) GTEST_SKIP() << "no " << folder;
+    const Shape original = shape_of_file(folder + "/Original.obj"),
+                scan = shape_of_file(folder + "/Noisy.obj");
+    ASSERT_EQ(original.triangles, scan.triangles);
+    const Shape result = denoised(scan);
+    unsigned turned = 0;
+    for (std::size_t f = 0; f < scan.triangles.size(); ++f) {
+      const Vec3d truth = normal_of(original, f);
+      turned += dot(normal_of(result, f), truth) < 0 && dot(normal_of(scan, f), truth) >= 0 ? 1U : 0U;
+    }
+    EXPECT_LE(turned, most) << name;
+  }
+}
+
 /// Triangles that lie with those around them in `scan` and against them in `result`: what flipped means to
 /// whoever has neither the original nor the predicted normals.
 unsigned folded_over(const Shape& scan, const Shape& result) {

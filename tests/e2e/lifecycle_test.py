@@ -2,12 +2,14 @@
 
 import concurrent.futures
 import json
+import os
 import pathlib
 import re
 import signal
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 import unittest.mock
@@ -50,8 +52,8 @@ class Healthcheck(unittest.TestCase):
 class FreedBlocks(unittest.TestCase):
     """What glibc keeps of them per thread it reads from the environment that a program starts with."""
 
-    def tunables(self, *flags):
-        with Server(*flags) as server:
+    def tunables(self):
+        with Server() as server:
             of_server = pathlib.Path(f"/proc/{server.process.pid}")
             self.assertEqual((of_server / "comm").read_text(), "burnishd\n")
             return re.findall(r"GLIBC_TUNABLES=([^\0]*)", (of_server / "environ").read_text())
@@ -59,13 +61,23 @@ class FreedBlocks(unittest.TestCase):
     def test_are_not_kept(self):
         self.assertEqual(self.tunables(), ["glibc.malloc.tcache_count=0"])
 
-    def test_are_kept_where_jobs_run(self):
-        self.assertEqual(self.tunables("--sandbox=false"), [])
-
     def test_are_kept_as_the_environment_says(self):
         for setting in "glibc.malloc.tcache_count=3", "":
             with self.subTest(setting), unittest.mock.patch.dict(ENVIRONMENT, GLIBC_TUNABLES=setting):
                 self.assertEqual(self.tunables(), [setting])
+
+
+    def test_cost_no_setting_that_comes_through_a_pipe(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pipe, mesh = pathlib.Path(folder, "settings"), pathlib.Path(folder, "mesh.obj")
+            os.mkfifo(pipe)
+            mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+            writer = threading.Thread(target=pipe.write_text, args=('{"max-iterations": 7}',))
+            writer.start()
+            with Server("--config", pipe) as server:
+                writer.join()
+                answer = server.post(mesh, "iterations=8&method=taubin")
+        self.assertEqual(answer.problem["detail"], "iterations is 8; the limit is 7 (max-iterations)")
 
 
 class Heaps(MeshTest):
