@@ -118,8 +118,8 @@ class Errors(MeshTest):
             address = "127.0.0.1:%d" % taken.getsockname()[1]
             for flags in (["--grpc-listen", address, "--http-listen", "127.0.0.1:0"],
                           ["--grpc-listen", "127.0.0.1:0", "--http-listen", address]):
-                done = subprocess.run([BURNISHD, *flags], env=ENVIRONMENT, capture_output=True, text=True,
-                                      timeout=PATIENCE_SECONDS)
+                done = subprocess.run([BURNISHD, *flags, "--store", self.folder / "store"], env=ENVIRONMENT,
+                                      capture_output=True, text=True, timeout=PATIENCE_SECONDS)
                 self.assertNotEqual(done.returncode, 0, flags)
                 self.assertIn(address, done.stderr)
 
