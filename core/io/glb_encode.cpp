@@ -112,9 +112,9 @@ class GlbWriter {
     const GlbAccessor& rows = vertices.positions;
     char* const data = buffers_.change(rows.buffer).data() + rows.begin;
     const RowWriter writer(rows);
-    std::vector<Extent> extents(vertices.count / kBlockSize + 1);
+    std::vector<Extent> extents(block_count(vertices.count));
     const bool done = parallel_for(vertices.count, run_, [&](std::size_t begin, std::size_t end) {
-      Extent& extent = extents[begin / kBlockSize];
+      Extent& extent = extents[begin / block_size(vertices.count)];
       for (std::size_t row = begin; row < end; ++row) {
         move_row(data + row * rows.stride, static_cast<Index>(vertices.first + row), writer, extent);
       }

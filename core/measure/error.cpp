@@ -142,7 +142,7 @@ void summarise_distances(const Surface& surface, std::span<const double> squared
   struct Block {
     double distances = 0, squares = 0, largest = 0;
   };
-  std::vector<Block> blocks(squared.size() / kBlockSize + 1);
+  std::vector<Block> blocks(block_count(squared.size()));
   parallel_for(squared.size(), run, [&](std::size_t begin, std::size_t end) {
     Block block;
     for (std::size_t v = begin; v < end; ++v) {
@@ -150,7 +150,7 @@ void summarise_distances(const Surface& surface, std::span<const double> squared
       block.squares += squared[v];
       block.largest = std::max(block.largest, squared[v]);
     }
-    blocks[begin / kBlockSize] = block;
+    blocks[begin / block_size(squared.size())] = block;
   });
   Block all;
   for (const Block& block : blocks) {
@@ -169,9 +169,9 @@ void summarise_triangles(const Surface& surface, std::span<const Vec3f> position
                          std::span<const double> squared, std::span<const Vec3f> others,
                          const RunControl& run, ErrorMeasures& measures) {
   const std::span triangles(surface.mesh.triangles);
-  std::vector<triangle_sums::Errors> blocks(triangles.size() / kBlockSize + 1);
+  std::vector<triangle_sums::Errors> blocks(block_count(triangles.size()));
   parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
-    blocks[begin / kBlockSize] =
+    blocks[begin / block_size(triangles.size())] =
         triangle_sums::functions().errors(triangles.subspan(begin, end - begin), positions, squared, others);
   });
   triangle_sums::Errors all;

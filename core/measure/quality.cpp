@@ -16,9 +16,9 @@ struct Totals {
 
 Totals totals(const Surface& surface, std::span<const Vec3f> positions, const RunControl& run) {
   const std::span triangles(surface.mesh.triangles);
-  std::vector<triangle_sums::Shape> blocks(triangles.size() / kBlockSize + 1);
+  std::vector<triangle_sums::Shape> blocks(block_count(triangles.size()));
   parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
-    blocks[begin / kBlockSize] =
+    blocks[begin / block_size(triangles.size())] =
         triangle_sums::functions().shape(triangles.subspan(begin, end - begin), positions);
   });
   Totals result;
@@ -42,7 +42,7 @@ double percent(double before, double after, double negligible) {
 Result<MeshChange> measure_change(const Surface& surface, std::span<const Vec3f> before,
                                   std::span<const Vec3f> after, const RunControl& run) {
   MeshChange change;
-  std::vector<double> largest(before.size() / kBlockSize + 1, 0);
+  std::vector<double> largest(block_count(before.size()), 0);
   const double sum = parallel_sum(before.size(), run, [&](std::size_t begin, std::size_t end) {
     double block = 0, farthest = 0;
     for (std::size_t v = begin; v < end; ++v) {
@@ -51,7 +51,7 @@ Result<MeshChange> measure_change(const Surface& surface, std::span<const Vec3f>
       block += squared;
       farthest = std::max(farthest, squared);
     }
-    largest[begin / kBlockSize] = farthest;
+    largest[begin / block_size(before.size())] = farthest;
     return block;
   });
   const std::size_t counted = before.size() - surface.topology.isolated_vertices;

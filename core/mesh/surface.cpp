@@ -141,7 +141,7 @@ bool keep_triangles(std::span<const Triangle> triangles, const RunControl& run, 
   std::vector<Index>& source = surface.source_triangle;
   kept.resize(triangles.size());
   source.resize(triangles.size());
-  std::vector<std::uint32_t> degenerate(triangles.size() / kBlockSize + 1, 0);
+  std::vector<std::uint32_t> degenerate(block_count(triangles.size()), 0);
   const bool done = parallel_for(triangles.size(), run, [&](std::size_t begin, std::size_t end) {
     std::uint32_t count = 0;
     for (std::size_t i = begin; i < end; ++i) {
@@ -151,7 +151,7 @@ bool keep_triangles(std::span<const Triangle> triangles, const RunControl& run, 
       source[i] = static_cast<Index>(i);
       count += static_cast<std::uint32_t>(t[0] == t[1] || t[1] == t[2] || t[2] == t[0]);
     }
-    degenerate[begin / kBlockSize] = count;
+    degenerate[begin / block_size(triangles.size())] = count;
   });
   if (!done) return false;
   surface.degenerate_triangles = std::accumulate(degenerate.begin(), degenerate.end(), std::uint32_t{0});

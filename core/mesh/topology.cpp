@@ -230,11 +230,11 @@ class StarLinker {
 
 bool link_stars(std::span<const Triangle> triangles, const RunControl& run, Topology& topology) {
   const std::size_t vertices = topology.vertex_flags.size();
-  std::vector<BlockOfStars> blocks((vertices + kBlockSize - 1) / kBlockSize);
+  std::vector<BlockOfStars> blocks(block_count(vertices));
   IndexRows& rows = topology.vertex_neighbours;
   rows.offsets.assign(vertices + 1, 0);
   const bool linked = parallel_for(vertices, run, [&](std::size_t begin, std::size_t end) {
-    BlockOfStars& block = blocks[begin / kBlockSize];
+    BlockOfStars& block = blocks[begin / block_size(vertices)];
     StarLinker linker(triangles, topology, block);
     block.neighbours.reserve(7 * kBlockSize);
     for (std::size_t v = begin; v < end; ++v) {
@@ -261,7 +261,7 @@ bool link_stars(std::span<const Triangle> triangles, const RunControl& run, Topo
   topology.non_manifold_edges /= 2;
   topology.opposed_edges /= 2;
   return parallel_for(vertices, run, [&](std::size_t begin, std::size_t end) {
-    const std::size_t b = begin / kBlockSize;
+    const std::size_t b = begin / block_size(vertices);
     std::copy(blocks[b].neighbours.begin(), blocks[b].neighbours.end(), rows.items.begin() + firsts[b]);
     for (std::size_t v = begin; v < end; ++v) rows.offsets[v + 1] += firsts[b];
   });

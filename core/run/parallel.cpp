@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace burnish {
@@ -33,6 +34,34 @@ class Order {
   void release() {}
   void acquire() {}
 #endif
+};
+
+/// Blocks that nobody has taken yet of those that a thread is to do.
+class Share {
+ public:
+  void give(std::size_t first, std::size_t end) { rest_ = std::uint64_t{end} << 32 | first; }
+  /// Of the owner, from the front.
+  std::optional<std::size_t> take_first() {
+    std::uint64_t rest = rest_;
+    do {
+      if (first(rest) == end(rest)) return {};
+    } while (!rest_.compare_exchange_weak(rest, rest + 1));
+    return first(rest);
+  }
+  /// Of another, from the back.
+  std::optional<std::size_t> take_last() {
+    std::uint64_t rest = rest_;
+    do {
+      if (first(rest) == end(rest)) return {};
+    } while (!rest_.compare_exchange_weak(rest, rest - (std::uint64_t{1} << 32)));
+    return end(rest) - 1;
+  }
+
+ private:
+  static std::size_t first(std::uint64_t rest) { return rest & 0xffff'ffffU; }
+  static std::size_t end(std::uint64_t rest) { return rest >> 32; }
+
+  alignas(64) std::atomic<std::uint64_t> rest_;  // a line of its own: owners do not wait for each other
 };
 
 /// One arena per calling thread and number of threads: its workers wait in it for the next loop for a while,
@@ -60,20 +89,34 @@ bool run_blocks(std::size_t count, std::size_t block_size, const RunControl& run
     }
     return !run.stopped();
   }
+  // Each thread has a share of its own, the same in every loop over as many blocks: what an iteration wrote
+  // is still in the cache of the core that reads it in the next. Who is done helps the others.
+  const std::size_t threads = thread_count(run);
+  std::vector<Share> shares(threads);
+  for (std::size_t t = 0; t < threads; ++t) shares[t].give(t * blocks / threads, (t + 1) * blocks / threads);
   std::atomic<bool> stopped = false;
   Order started, ended;
   started.release();
-  arena_of(thread_count(run)).execute([&] {
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-      if (stopped.load(std::memory_order_relaxed)) return;
-      if (run.stopped()) {
-        stopped.store(true, std::memory_order_relaxed);
-        return;
-      }
-      started.acquire();
-      one(block);
-      ended.release();
-    });
+  arena_of(threads).execute([&] {
+    tbb::parallel_for(
+        std::size_t{0}, threads,
+        [&](std::size_t) {
+          started.acquire();
+          const auto goes_on = [&] {
+            if (run.stopped()) stopped.store(true, std::memory_order_relaxed);
+            return !stopped.load(std::memory_order_relaxed);
+          };
+          const auto own = static_cast<std::size_t>(tbb::this_task_arena::current_thread_index());
+          while (goes_on()) {
+            std::optional<std::size_t> block = shares[own].take_first();
+            for (std::size_t k = 1; k < threads && !block; ++k)
+              block = shares[(own + k) % threads].take_last();
+            if (!block) break;
+            one(*block);
+          }
+          ended.release();
+        },
+        tbb::simple_partitioner());
   });
   ended.acquire();
   return !stopped.load() && !run.stopped();
@@ -85,9 +128,9 @@ double sum_blocks(std::size_t count, const RunControl& run,
     double (*function)(void*, std::size_t, std::size_t);
     void* context;
     std::vector<double> partial;
-  } job{function, context, std::vector<double>((count + kBlockSize - 1) / kBlockSize)};
+  } job{function, context, std::vector<double>(block_count(count))};
   run_blocks(
-      count, kBlockSize, run,
+      count, block_size(count), run,
       [](void* p, std::size_t block, std::size_t begin, std::size_t end) {
         auto& j = *static_cast<Job*>(p);
         j.partial[block] = j.function(j.context, begin, end);

@@ -10,8 +10,21 @@
 
 namespace burnish {
 
-/// Items per block: small enough that a stop is seen within a millisecond, large enough to hide the dispatch.
+/// Most items in a block: few enough that a stop is seen within a millisecond, enough to hide the dispatch.
 inline constexpr std::size_t kBlockSize = 2048;
+
+/// Items per block of a loop over so many: of equal size and even in number, from nine on a multiple of four,
+/// so that two or four threads have as much to do. With 17 blocks of 2048 the slower of two threads has 9.
+constexpr std::size_t block_size(std::size_t items) {
+  const std::size_t blocks = (items + kBlockSize - 1) / kBlockSize;
+  if (blocks < 2) return kBlockSize;
+  const std::size_t multiple = blocks > 8 ? 4 : 2, rounded = (blocks + multiple - 1) / multiple * multiple;
+  return (items + rounded - 1) / rounded;
+}
+/// Blocks of such a loop; the block that begins at `begin` is number begin / block_size(items).
+constexpr std::size_t block_count(std::size_t items) {
+  return (items + block_size(items) - 1) / block_size(items);
+}
 
 namespace detail {
 using BlockFunction = void (*)(void* context, std::size_t block, std::size_t begin, std::size_t end);
@@ -26,7 +39,7 @@ template <class Body>
 bool parallel_for(std::size_t count, const RunControl& run, Body&& body) {
   using Plain = std::remove_reference_t<Body>;
   return detail::run_blocks(
-      count, kBlockSize, run,
+      count, block_size(count), run,
       [](void* context, std::size_t, std::size_t begin, std::size_t end) {
         (*static_cast<Plain*>(context))(begin, end);
       },

@@ -54,8 +54,9 @@ class Adaptive {
            for_each(planes_.size(), run_, [&](std::size_t f) { planes_[f] = plane(from, f); });
   }
 
-  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
-    if (tiles_) return move_tile(from, to, begin);
+  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
+            std::size_t end) const {
+    if (tiles_) return move_tile(from, to, begin, end);
     order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
       for (const Index v : group.vertices) {
         to[v] = moved(from, v, topology_.vertex_faces[v], 1, {planes_, area_normals_});
@@ -64,9 +65,10 @@ class Adaptive {
   }
 
  private:
-  void move_tile(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
+  void move_tile(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
+                 std::size_t end) const {
     if (pays_to_fetch_ahead(from.size())) {
-      for (std::size_t v = begin; v < begin + kBlockSize; v += 4) fetch_ahead(from, to, v);
+      for (std::size_t v = begin; v < end; v += 4) fetch_ahead(from, to, v);
     }
     const AdaptiveTiles::Tile& tile = (*tiles_)[begin];
     thread_local Buffer<Row> area_normals, planes;  // they stay for the next tile
@@ -220,10 +222,10 @@ Result<SmoothOutcome> smooth_adaptive(Surface& surface, const AdaptiveParams& pa
                                       const IterationOptions& options, const RunControl& run) {
   const Constraints constraints(surface, options.constraints, run);
   Adaptive adaptive(surface, params, constraints.movable(), run);
-  return iterate(
-      surface, constraints, options, run,
-      {.prepare = [&](auto from) { return adaptive.prepare(from); },
-       .move = [&](auto from, auto to, std::size_t begin, std::size_t) { adaptive.move(from, to, begin); }});
+  return iterate(surface, constraints, options, run,
+                 {.prepare = [&](auto from) { return adaptive.prepare(from); },
+                  .move = [&](auto from, auto to, std::size_t begin,
+                              std::size_t end) { adaptive.move(from, to, begin, end); }});
 }
 
 Method adaptive_method() {

@@ -107,13 +107,14 @@ class Builder {
 
 AdaptiveTiles::AdaptiveTiles(std::span<const Triangle> triangles, const Topology& topology,
                              const ValenceOrder& order, const RunControl& run)
-    : tiles_((topology.vertex_flags.size() + kBlockSize - 1) / kBlockSize) {
+    : block_size_(block_size(topology.vertex_flags.size())),
+      tiles_(block_count(topology.vertex_flags.size())) {
   const std::size_t tasks = std::min(tiles_.size(), thread_count(run));
   parallel_tasks(tasks, run, [&](std::size_t task) {
     Builder builder(triangles, topology, order);
     const std::size_t end = (task + 1) * tiles_.size() / tasks;
     for (std::size_t t = task * tiles_.size() / tasks; t < end && !run.stopped(); ++t) {
-      tiles_[t] = builder.build(t * kBlockSize);
+      tiles_[t] = builder.build(t * block_size_);
     }
   });
 }

@@ -38,9 +38,10 @@ class AdaptiveTiles {
                 const RunControl& run);
 
   /// Of the block of vertices that starts at `begin`, as parallel_for hands it out.
-  const Tile& operator[](std::size_t begin) const { return tiles_[begin / kBlockSize]; }
+  const Tile& operator[](std::size_t begin) const { return tiles_[begin / block_size_]; }
 
  private:
+  std::size_t block_size_;
   std::vector<Tile> tiles_;
 };
 

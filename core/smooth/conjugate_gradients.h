@@ -22,13 +22,13 @@ namespace burnish {
 /// A pair of sums over fixed blocks, added in their order.
 class BlockSums {
  public:
-  explicit BlockSums(std::size_t rows) : of_block_((rows + kBlockSize - 1) / kBlockSize) {}
+  explicit BlockSums(std::size_t rows) : of_block_(block_count(rows)) {}
 
   /// body(begin, end) returns the two sums of its block. Unset when stopped.
   template <class Body>
   std::optional<std::array<double, 2>> over(std::size_t rows, const RunControl& run, Body&& body) {
     if (!parallel_for(rows, run, [&](std::size_t begin, std::size_t end) {
-          of_block_[begin / kBlockSize] = body(begin, end);
+          of_block_[begin / block_size(rows)] = body(begin, end);
         })) {
       return std::nullopt;
     }

@@ -113,9 +113,9 @@ GuidedFilter::GuidedFilter(const Faces& faces, double radius)
   const Index nothing = static_cast<Index>(faces.size());
   given_[nothing] = Given{};
   const float within = static_cast<float>(radius * faces.mean_centroid_distance());
-  std::vector<std::vector<Index>> blocks((faces.size() + kBlockSize - 1) / kBlockSize);
+  std::vector<std::vector<Index>> blocks(block_count(faces.size()));
   const bool found = parallel_for(faces.size(), run_, [&](std::size_t begin, std::size_t end) {
-    std::vector<Index>& block = blocks[begin / kBlockSize];
+    std::vector<Index>& block = blocks[begin / block_size(faces.size())];
     Walk walk(faces, within);
     for (std::size_t f = begin; f < end; ++f) {
       const auto near = walk.around(static_cast<Index>(f));
@@ -130,7 +130,7 @@ GuidedFilter::GuidedFilter(const Faces& faces, double radius)
   for (std::size_t b = 0; b < blocks.size(); ++b) starts[b + 1] = starts[b] + blocks[b].size();
   near_.resize(starts.back());
   parallel_for(faces.size(), run_, [&](std::size_t begin, std::size_t end) {
-    const std::size_t b = begin / kBlockSize;
+    const std::size_t b = begin / block_size(faces.size());
     std::ranges::copy(blocks[b], near_.begin() + static_cast<std::ptrdiff_t>(starts[b]));
     std::vector<Index>().swap(blocks[b]);  // at once: together they take as much again
     for (std::size_t f = begin; f < end; ++f) offsets_[f + 1] += starts[b];

@@ -8,17 +8,18 @@ namespace burnish {
 
 ValenceOrder::ValenceOrder(const Topology& topology, std::span<const std::uint8_t> movable, With with,
                            const RunControl& run)
-    : order_(movable.size()) {
+    : block_size_(block_size(movable.size())), order_(movable.size()) {
   const auto group_of = [&](Index v) {
     const std::size_t valence = topology.vertex_neighbours[v].size();
     const bool regular = valence >= kLeast && valence <= kMost && !topology.has(v, kBoundaryVertex);
     return regular ? valence : kOther;
   };
-  const std::size_t blocks = (movable.size() + kBlockSize - 1) / kBlockSize;
+  const std::size_t blocks = block_count(movable.size());
   std::vector<std::array<std::uint32_t, kMost + 1>> next(blocks);  // how many of each valence, then where
   parallel_for(movable.size(), run, [&](std::size_t begin, std::size_t end) {
+    auto& counts = next[begin / block_size_];
     for (std::size_t v = begin; v < end; ++v) {
-      if (movable[v] != 0) ++next[begin / kBlockSize][group_of(static_cast<Index>(v))];
+      if (movable[v] != 0) ++counts[group_of(static_cast<Index>(v))];
     }
   });
   std::size_t placed = 0, rows = 0;
@@ -33,23 +34,25 @@ ValenceOrder::ValenceOrder(const Topology& topology, std::span<const std::uint8_
   }
   first_group_.push_back(groups_.size());
   parallel_for(movable.size(), run, [&](std::size_t begin, std::size_t end) {
+    auto& places = next[begin / block_size_];
     for (std::size_t v = begin; v < end; ++v) {
-      if (movable[v] != 0) {
-        order_[next[begin / kBlockSize][group_of(static_cast<Index>(v))]++] = static_cast<Index>(v);
-      }
+      if (movable[v] != 0) order_[places[group_of(static_cast<Index>(v))]++] = static_cast<Index>(v);
     }
   });
 
   const auto copy = [&](const IndexRows& from, Buffer<std::uint32_t>& to) {
     to.resize(rows);
     parallel_for(movable.size(), run, [&](std::size_t begin, std::size_t) {
-      const std::size_t block = begin / kBlockSize;
+      const std::size_t block = begin / block_size_;
       for (std::size_t g = first_group_[block]; g < first_group_[block + 1]; ++g) {
         const Range& range = groups_[g];
         std::uint32_t* row = to.data() + range.rows;
-        for (std::size_t i = range.from; i < range.to && range.valence != kOther; ++i, row += range.valence) {
-          std::ranges::transform(from[order_[i]], row, doubled);
-        }
+        with_constant_valence(range.valence, [&]<std::size_t kValence>() {
+          for (std::size_t i = range.from; i < range.to; ++i, row += kValence) {
+            const Index* const items = from.items.data() + from.offsets[order_[i]];
+            for (std::size_t k = 0; k < kValence; ++k) row[k] = doubled(items[k]);
+          }
+        });
       }
     });
   };

@@ -38,7 +38,7 @@ class ValenceOrder {
   /// Calls visit(group) for the block of vertices that starts at `begin`, as parallel_for hands it out.
   template <class Visit>
   void for_each_group(std::size_t begin, Visit&& visit) const {
-    const std::size_t block = begin / kBlockSize;
+    const std::size_t block = begin / block_size_;
     for (std::size_t g = first_group_[block]; g < first_group_[block + 1]; ++g) visit(group(groups_[g]));
   }
 
@@ -49,6 +49,7 @@ class ValenceOrder {
   };
   Group group(const Range& range) const;
 
+  std::size_t block_size_;  ///< of the loops over vertices
   Buffer<Index> order_;
   std::vector<Range> groups_;
   std::vector<std::size_t> first_group_;  ///< per block, and the end

@@ -36,7 +36,7 @@ struct Drawn {
     }
   }
   void multiply(std::span<const SimdVec3> p, std::span<SimdVec3> q, std::size_t begin) const {
-    for (std::size_t v = begin; v < std::min(begin + kBlockSize, rows); ++v) {
+    for (std::size_t v = begin; v < std::min(begin + block_size(rows), rows); ++v) {
       if (diagonal[v] == 0) continue;
       SimdVec3 sum = p[v] * diagonal[v];
       for (Index k = neighbours.offsets[v]; k < neighbours.offsets[v + 1]; ++k)

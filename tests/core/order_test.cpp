@@ -118,10 +118,10 @@ TEST(ValenceOrder, VisitsEveryMovableVertexOnceUnderItsValence) {
   for (std::size_t v = 0; v < movable.size(); ++v) movable[v] = v % 7 != 0;
   const ValenceOrder order(surface.topology, movable, ValenceOrder::With::NeighboursAndFaces, {});
   std::vector<int> visits(movable.size());
-  for (std::size_t begin = 0; begin < movable.size(); begin += kBlockSize) {
+  for (std::size_t begin = 0; begin < movable.size(); begin += block_size(movable.size())) {
     order.for_each_group(begin, [&](const ValenceOrder::Group& group) {
       for (const Index& v : group.vertices) {
-        EXPECT_EQ(v / kBlockSize, begin / kBlockSize);
+        EXPECT_EQ(v / block_size(movable.size()), begin / block_size(movable.size()));
         ++visits[v];
         if (group.valence == ValenceOrder::kOther) {
           EXPECT_TRUE(surface.topology.has(v, kBoundaryVertex));
@@ -157,7 +157,7 @@ TEST(AdaptiveTiles, HoldTheTrianglesAtEachVertexAndThoseAcrossTheirSides) {
   const ValenceOrder order(surface.topology, movable);
   for (const unsigned threads : {1U, 2U}) {
     const AdaptiveTiles tiles(triangles, surface.topology, order, {.threads = threads});
-    for (std::size_t begin = 0; begin < movable.size(); begin += kBlockSize) {
+    for (std::size_t begin = 0; begin < movable.size(); begin += block_size(movable.size())) {
       const AdaptiveTiles::Tile& tile = tiles[begin];
       EXPECT_EQ(tile.triangles() % kTrianglesAtOnce, 0);
       EXPECT_EQ(tile.expected() % kTrianglesAtOnce, 0);
