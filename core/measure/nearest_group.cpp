@@ -87,46 +87,57 @@ BURNISH_INLINE unsigned children_meeting(const Box& box, const Node& node) {
   return bits;
 }
 
-/// Lowers `least` by the squared distances to four triangles, given by their places in the order.
-template <class Width>
-BURNISH_INLINE void see_row(const Tree& tree, const Vec3f& p, const std::uint32_t* row,
-                            typename Width::Doubles& least) {
-  using Doubles = typename Width::Doubles;
-  constexpr std::size_t kLanes = sizeof(Doubles) / sizeof(double);
+/// The rows of four points, by axis.
+BURNISH_INLINE void by_axis(const Floats (&rows)[kRow], Floats (&axes)[3]) {
+  const Floats xy01 = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5),
+               xy23 = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5),
+               z01 = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7),
+               z23 = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
+  axes[0] = __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5);
+  axes[1] = __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7);
+  axes[2] = __builtin_shufflevector(z01, z23, 0, 1, 4, 5);
+}
+
+/// The corners of four triangles, given by their places in the order.
+struct Row {
   Floats corners[3][3];  // by corner and axis, a triangle per lane
-  const Triangle* t[kRow];
-  for (std::size_t i = 0; i < kRow; ++i) t[i] = &tree.triangles[tree.order[row[i]]];
-  for (std::size_t c = 0; c < 3; ++c) {
-    const Floats p0 = tree.positions[(*t[0])[c]].lanes(), p1 = tree.positions[(*t[1])[c]].lanes(),
-                 p2 = tree.positions[(*t[2])[c]].lanes(), p3 = tree.positions[(*t[3])[c]].lanes();
-    const Floats xy01 = __builtin_shufflevector(p0, p1, 0, 4, 1, 5),
-                 xy23 = __builtin_shufflevector(p2, p3, 0, 4, 1, 5),
-                 z01 = __builtin_shufflevector(p0, p1, 2, 6, 3, 7),
-                 z23 = __builtin_shufflevector(p2, p3, 2, 6, 3, 7);
-    corners[c][0] = __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5);
-    corners[c][1] = __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7);
-    corners[c][2] = __builtin_shufflevector(z01, z23, 0, 1, 4, 5);
+
+  BURNISH_INLINE void load(const Tree& tree, const std::uint32_t* places) {
+    const Triangle* t[kRow];
+    for (std::size_t i = 0; i < kRow; ++i) t[i] = &tree.triangles[tree.order[places[i]]];
+    for (std::size_t c = 0; c < 3; ++c) {
+      Floats rows[kRow];
+      for (std::size_t i = 0; i < kRow; ++i) rows[i] = tree.positions[(*t[i])[c]].lanes();
+      by_axis(rows, corners[c]);
+    }
   }
-  const Vec3<Doubles> point{Doubles{} + p.x, Doubles{} + p.y, Doubles{} + p.z};
-  for (std::size_t part = 0; part < kRow; part += kLanes) {
-    const auto at = [&](const Floats& lanes) {
-      // Lane by lane the compiler makes one instruction of it, of __builtin_convertvector three.
-      if constexpr (kLanes == kRow) {
-        return Doubles{lanes[0], lanes[1], lanes[2], lanes[3]};
-      } else {
-        return Doubles{lanes[part], lanes[part + 1]};
-      }
-    };
-    Vec3<Doubles> corner[3];
-    for (std::size_t c = 0; c < 3; ++c) corner[c] = {at(corners[c][0]), at(corners[c][1]), at(corners[c][2])};
-    const detail::Wedge<Doubles> wedge(point, corner[0], corner[1], corner[2]);
-    Doubles squared = wedge.squared_to_face();
-    const auto flat = wedge.is_flat();
-    std::int64_t any_flat = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) any_flat |= flat[i];
-    if (any_flat != 0) squared = flat ? wedge.squared_to_flat() : squared;
-    least = detail::smaller(squared, least);
-  }
+};
+
+BURNISH_INLINE void join(const Floats (&rows)[1], Floats& to) { to = rows[0]; }
+BURNISH_INLINE void join(const Floats (&rows)[2], Wide::Boxes& to) {
+  to = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/// What float says of a squared distance: surely no less and no more than this.
+template <class Boxes>
+struct Bounds {
+  Boxes low, high;
+};
+
+/// For triangles that are neither flat nor much smaller than their distance float is right to about 2^-20 of
+/// the lengths that it starts from (each way from a corner rounds once); the slack is many times that. Of all
+/// others it says nothing.
+template <class Boxes>
+BURNISH_INLINE void bound(const detail::Wedge<Boxes>& wedge, Bounds<Boxes>& bounds) {
+  constexpr float kOfSquare = 0x1p-13F, kOfLengths = 0x1p-20F, kLeastSine = 0x1p-6F, kMostRatio = 64;
+  constexpr float kTiny = 1e-28F, kHuge = 1e30F;  // products of four lengths stay within float
+  const Boxes product = wedge.bb * wedge.cc, squared = wedge.squared_to_face();
+  const Boxes lengths = detail::dot_of(wedge.p, wedge.p) + wedge.bb + wedge.cc;
+  const Boxes slack = squared * kOfSquare + lengths * kOfLengths, zero = wedge.bb - wedge.bb;
+  const auto sure = (product - wedge.bc * wedge.bc > product * kLeastSine) & (product > kTiny) &
+                    (product < kHuge) & (lengths <= detail::smaller(wedge.bb, wedge.cc) * kMostRatio);
+  bounds.low = sure ? squared - slack : zero;
+  bounds.high = sure ? squared + slack : zero + std::numeric_limits<float>::infinity();
 }
 
 /// Nodes that hold triangles near any point of the group, with their boxes, eight to a row as if they had a
@@ -194,8 +205,8 @@ BURNISH_INLINE bool collect(const Tree& tree, const Box& box, Near& near) {
 struct Hits {
   static constexpr std::size_t kMostOfPoint = Near::kMostNodes * Node::kWidth;
   std::array<std::uint32_t, 2 * kMostOfPoint + Node::kWidth> places;
-  std::array<std::uint8_t, 2 * kMostOfPoint / kRow> points;  // by row
-  std::size_t count = 0;                                     // of places; whole rows between points
+  std::array<std::uint8_t, 2 * kMostOfPoint / kRow + 1> points;  // by row
+  std::size_t count = 0;                                         // of places; whole rows between points
 
   BURNISH_INLINE bool may_not_hold_another() const { return count > kMostOfPoint; }
   /// The places from `first` on are those of a point.
@@ -204,6 +215,14 @@ struct Hits {
     std::fill_n(places.begin() + static_cast<std::ptrdiff_t>(count), kRow, places[first]);
     for (; first < count; first += kRow) points[first / kRow] = static_cast<std::uint8_t>(point);
     count = first;
+  }
+  /// Repeats the last row until they are a multiple of so many.
+  BURNISH_INLINE void fill_up(std::size_t rows) {
+    for (; count / kRow % rows != 0; count += kRow) {
+      std::copy_n(places.begin() + static_cast<std::ptrdiff_t>(count - kRow), kRow,
+                  places.begin() + static_cast<std::ptrdiff_t>(count));
+      points[count / kRow] = points[count / kRow - 1];
+    }
   }
 };
 
@@ -224,15 +243,126 @@ BURNISH_INLINE void add_hits(const Tree& tree, const Near& near, const Box& box,
   }
 }
 
+/// The points of a group, and the least squared distance seen of each.
+struct Group {
+  std::array<Floats, kMost> points;
+  std::array<double, kMost> least;
+};
+
+/// Lowers `least` for four pairs of a point and a triangle, by the exact formula.
+template <class Width>
+BURNISH_INLINE void see_row(const Tree& tree, const std::uint32_t* places, const std::uint32_t* points,
+                            Group& group) {
+  using Doubles = typename Width::Doubles;
+  constexpr std::size_t kLanes = sizeof(Doubles) / sizeof(double);
+  Row row;
+  row.load(tree, places);
+  const Floats rows[kRow] = {group.points[points[0]], group.points[points[1]], group.points[points[2]],
+                             group.points[points[3]]};
+  Floats axes[3];
+  by_axis(rows, axes);
+  for (std::size_t part = 0; part < kRow; part += kLanes) {
+    const auto at = [&](const Floats& lanes) {
+      // Lane by lane the compiler makes one instruction of it, of __builtin_convertvector three.
+      if constexpr (kLanes == kRow) {
+        return Doubles{lanes[0], lanes[1], lanes[2], lanes[3]};
+      } else {
+        return Doubles{lanes[part], lanes[part + 1]};
+      }
+    };
+    const auto point_at = [&](const Floats(&a)[3]) __attribute__((always_inline)) {
+      return Vec3<Doubles>{at(a[0]), at(a[1]), at(a[2])};
+    };
+    const detail::Wedge<Doubles> wedge(point_at(axes), point_at(row.corners[0]), point_at(row.corners[1]),
+                                       point_at(row.corners[2]));
+    Doubles squared = wedge.squared_to_face();
+    const auto flat = wedge.is_flat();
+    std::int64_t any_flat = 0;
+    for (std::size_t i = 0; i < kLanes; ++i) any_flat |= flat[i];
+    if (any_flat != 0) squared = flat ? wedge.squared_to_flat() : squared;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      double& least = group.least[points[part + i]];
+      least = std::min(least, squared[i]);
+    }
+  }
+}
+
+/// Lowers `least` by all hits: float tells which triangles may be a point's nearest, mostly one or two, and
+/// only these are asked for exactly.
+template <class Width>
+BURNISH_INLINE void see(const Tree& tree, Hits& hits, Group& group) {
+  using Boxes = typename Width::Boxes;
+  constexpr std::size_t kRows = sizeof(Boxes) / sizeof(Floats), kLanes = kRows * kRow;
+  hits.fill_up(kRows);
+  std::array<float, Hits::kMostOfPoint * 2 + Node::kWidth> lows;
+  std::array<Floats, kMost> highs;
+  highs.fill(Floats{} + std::numeric_limits<float>::infinity());
+  for (std::size_t h = 0; h < hits.count; h += kLanes) {
+    Row rows[kRows];
+    Floats axes[kRows][3];
+    for (std::size_t r = 0; r < kRows; ++r) {
+      rows[r].load(tree, &hits.places[h + r * kRow]);
+      const Floats& p = group.points[hits.points[h / kRow + r]];
+      for (std::size_t axis = 0; axis < 3; ++axis) axes[r][axis] = Floats{} + p[axis];
+    }
+    Vec3<Boxes> point, corners[3];
+    const auto join_axis = [&](const auto& of, std::size_t axis, Boxes& to) __attribute__((always_inline)) {
+      Floats parts[kRows];
+      for (std::size_t r = 0; r < kRows; ++r) parts[r] = of(r)[axis];
+      join(parts, to);
+    };
+    const auto join_all = [&](const auto& of, Vec3<Boxes>& to) __attribute__((always_inline)) {
+      join_axis(of, 0, to.x);
+      join_axis(of, 1, to.y);
+      join_axis(of, 2, to.z);
+    };
+    join_all([&](std::size_t r) -> const Floats(&)[3] { return axes[r]; }, point);
+    for (std::size_t c = 0; c < 3; ++c) {
+      join_all([&](std::size_t r) -> const Floats(&)[3] { return rows[r].corners[c]; }, corners[c]);
+    }
+    Bounds<Boxes> bounds;
+    bound(detail::Wedge<Boxes>(point, corners[0], corners[1], corners[2]), bounds);
+    std::memcpy(&lows[h], &bounds.low, sizeof bounds.low);
+    Floats parts[kRows];
+    std::memcpy(parts, &bounds.high, sizeof bounds.high);
+    for (std::size_t r = 0; r < kRows; ++r) {
+      Floats& high = highs[hits.points[h / kRow + r]];
+      high = detail::smaller(parts[r], high);
+    }
+  }
+  for (Floats& high : highs) {
+    const Floats half = detail::smaller(high, __builtin_shufflevector(high, high, 2, 3, 0, 1));
+    high = detail::smaller(half, __builtin_shufflevector(half, half, 1, 0, 3, 2));
+  }
+  std::array<std::uint32_t, Hits::kMostOfPoint * 2 + 2 * Node::kWidth> chosen;  // numbers of hits
+  std::size_t count = 0;
+  for (std::size_t h = 0; h < hits.count; h += kRow) {
+    Floats low;
+    std::memcpy(&low, &lows[h], sizeof low);
+    const Mask beyond = low > highs[hits.points[h / kRow]];  // not where float says nothing
+    count += keep(h, ~bits_of(beyond) & 15U, &chosen[count]);
+  }
+  for (std::size_t i = 0; i < count; i += kRow) {
+    std::uint32_t places[kRow], points[kRow];
+    for (std::size_t k = 0; k < kRow; ++k) {
+      const std::uint32_t hit = chosen[std::min(i + k, count - 1)];
+      places[k] = hits.places[hit];
+      points[k] = hits.points[hit / kRow];
+    }
+    see_row<Width>(tree, places, points, group);
+  }
+  hits.count = 0;
+}
+
 template <class Width>
 BURNISH_INLINE bool find_with(const Tree& tree, std::span<const Vec3f> points, std::span<double> squared) {
-  using Doubles = typename Width::Doubles;
   std::array<Box, kMost> boxes;
-  std::array<Doubles, kMost> least;
+  Group group;
+  group.least.fill(std::numeric_limits<double>::infinity());
   Box all;
   for (std::size_t i = 0; i < points.size(); ++i) {
+    group.points[i] = SimdVec3(points[i]).lanes();
     boxes[i] = around(points[i], squared[i]);
-    least[i] = Doubles{} + std::numeric_limits<double>::infinity();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       all.low[axis] = std::min(all.low[axis], boxes[i].low[axis]);
       all.high[axis] = std::max(all.high[axis], boxes[i].high[axis]);
@@ -245,18 +375,9 @@ BURNISH_INLINE bool find_with(const Tree& tree, std::span<const Vec3f> points, s
     const std::size_t first = hits.count;
     add_hits<Width>(tree, near, boxes[i], hits);
     hits.end_point(i, first);
-    if (i + 1 < points.size() && !hits.may_not_hold_another()) continue;
-    for (std::size_t h = 0; h < hits.count; h += kRow) {
-      const std::size_t point = hits.points[h / kRow];
-      see_row<Width>(tree, points[point], &hits.places[h], least[point]);
-    }
-    hits.count = 0;
+    if (i + 1 == points.size() || hits.may_not_hold_another()) see<Width>(tree, hits, group);
   }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    squared[i] = least[i][0];
-    for (std::size_t k = 1; k < sizeof(Doubles) / sizeof(double); ++k)
-      squared[i] = std::min(squared[i], least[i][k]);
-  }
+  std::copy_n(group.least.begin(), squared.size(), squared.begin());
   return true;
 }
 
