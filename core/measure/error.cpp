@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "core/measure/nearest.h"
 #include "core/measure/triangle_sums.h"
+#include "core/mesh/simd_vec3.h"
+#include "core/run/buffer.h"
 #include "core/run/math.h"
 #include "core/run/parallel.h"
 
@@ -14,11 +17,10 @@ namespace burnish {
 namespace {
 
 /// The reference's positions in the frame of the result.
-std::vector<Vec3f> into_frame(const Frame& frame, const Surface& reference, std::span<const Vec3f> positions,
-                              const RunControl& run) {
-  std::vector<Vec3f> local(positions.begin(), positions.end());
+Buffer<Vec3f> into_frame(const Frame& frame, const Surface& reference, std::span<const Vec3f> positions,
+                         const RunControl& run) {
+  Buffer<Vec3f> local(positions.size());
   const Frame& own = reference.mesh.frame;
-  if (own.centre == frame.centre && own.exponent == frame.exponent) return local;
   // Powers of two: products with them round as ldexp does.
   const double scale = own.scale(), shrink = 1 / frame.scale();
   parallel_for(local.size(), run, [&](std::size_t begin, std::size_t end) {
@@ -33,25 +35,40 @@ std::vector<Vec3f> into_frame(const Frame& frame, const Surface& reference, std:
   return local;
 }
 
-/// For each vertex of the surface the reference's vertex that comes from the same file vertex.
+/// For each vertex of the surface the reference's vertex that comes from the same file vertex, the first of
+/// them when several were welded.
 std::vector<Index> partners(const Surface& surface, const Surface& reference, const RunControl& run) {
   std::vector<Index> partner(surface.mesh.positions.size(), kNone);
+  const auto join = [&](std::size_t v) { partner[surface.weld[v]] = reference.weld[v]; };
+  if (surface.welded_vertices == 0) {
+    for_each(surface.weld.size(), run, join);
+    return partner;
+  }
   for (std::size_t v = surface.weld.size(); v-- > 0;) {
     if (v % kBlockSize == 0 && run.stopped()) break;
-    partner[surface.weld[v]] = reference.weld[v];
+    join(v);
   }
   return partner;
 }
 
+bool counts_up(std::span<const Index> indices, const RunControl& run) {
+  std::atomic<bool> so_far = true;
+  parallel_for(indices.size(), run, [&](std::size_t begin, std::size_t end) {
+    Index jumps = 0;
+    for (std::size_t i = begin; i < end; ++i) jumps |= indices[i] ^ static_cast<Index>(i);
+    if (jumps != 0) so_far.store(false, std::memory_order_relaxed);
+  });
+  return so_far.load();
+}
+
 double diagonal(std::span<const Vec3f> positions) {
-  Vec3f low = positions.front(), high = low;
-  for (const Vec3f& p : positions) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], p[axis]);
-      high[axis] = std::max(high[axis], p[axis]);
-    }
+  auto low = SimdVec3(positions.front()).lanes(), high = low;
+  for (const Vec3f& position : positions) {
+    const auto p = SimdVec3(position).lanes();
+    low = p < low ? p : low;
+    high = p > high ? p : high;
   }
-  return length(to_double(high) - to_double(low));
+  return length(to_double(SimdVec3(high).vec3()) - to_double(SimdVec3(low).vec3()));
 }
 
 double ratio(double value, double by) { return by > 0 ? value / by : 0; }
@@ -102,21 +119,33 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
   });
 }
 
-/// The reference as the measures need it.
+/// The reference as the measures need it; nothing is copied that need not be.
 struct Other {
   Other(const Surface& surface, const Surface& of, std::span<const Vec3f> at, bool corresponding,
         const RunControl& run)
-      : reference(of),
-        positions(into_frame(surface.mesh.frame, of, at, run)),
-        partner(corresponding ? partners(surface, of, run) : std::vector<Index>()),
-        partners_at(partner.size()) {
-    for_each(partner.size(), run, [&](std::size_t v) { partners_at[v] = positions[partner[v]]; });
+      : reference(of), positions(at) {
+    const Frame &frame = surface.mesh.frame, &own = of.mesh.frame;
+    if (own.centre != frame.centre || own.exponent != frame.exponent) {
+      moved = into_frame(frame, of, at, run);
+      positions = moved;
+    }
+    if (!corresponding) return;
+    partner = partners(surface, of, run);
+    partners_at = positions;
+    if (partner.size() == positions.size() && counts_up(partner, run)) return;
+    ordered.resize(partner.size());
+    for_each(partner.size(), run, [&](std::size_t v) { ordered[v] = positions[partner[v]]; });
+    partners_at = ordered;
   }
+  Other(const Other&) = delete;  // its spans are into itself
 
   const Surface& reference;
-  std::vector<Vec3f> positions;  // in the frame of the result
-  std::vector<Index> partner;    // empty: nothing corresponds
-  std::vector<Vec3f> partners_at;
+  std::span<const Vec3f> positions;    // in the frame of the result
+  std::vector<Index> partner;          // empty: nothing corresponds
+  std::span<const Vec3f> partners_at;  // in the order of the result's vertices
+
+ private:
+  Buffer<Vec3f> moved, ordered;
 };
 
 /// Of each vertex to the nearest point of the reference; 0 where there is no triangle to ask.

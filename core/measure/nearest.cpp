@@ -18,7 +18,7 @@ double squared_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Ve
 
 struct NearestTriangle::Box {
   static constexpr float kFar = std::numeric_limits<float>::max();
-  Vec3f low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+  SimdVec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
 };
 
 namespace {
@@ -43,6 +43,17 @@ Buffer<Index> triangles_along(std::span<const Index> vertex_order, std::span<con
   if (run.stopped()) return order;
   for_each(middle.size(), alone, [&](std::size_t t) { order[next[middle[t]]++] = static_cast<Index>(t); });
   return order;
+}
+
+/// Of eight floats, four at a time.
+template <class Choose>
+float extreme_of(const float (&values)[8], Choose choose) {
+  SimdVec3::Lanes low, high;
+  std::memcpy(&low, values, sizeof low);
+  std::memcpy(&high, values + 4, sizeof high);
+  const SimdVec3::Lanes four = choose(low, high);
+  const SimdVec3::Lanes two = choose(four, __builtin_shufflevector(four, four, 2, 3, 0, 1));
+  return choose(two, __builtin_shufflevector(two, two, 1, 0, 3, 2))[0];
 }
 
 }  // namespace
@@ -76,7 +87,8 @@ bool NearestTriangle::in_good_order() const {
         parts += std::max({0.0F, high[0][k] - low[0][k], high[1][k] - low[1][k], high[2][k] - low[2][k]});
       }
       const Box box = box_of_children(node);
-      whole += std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
+      const SimdVec3 size = box.high - box.low;
+      whole += std::max({size.x(), size.y(), size.z()});
     }
     return whole <= parts;
   };
@@ -92,10 +104,7 @@ bool NearestTriangle::fill(const RunControl& run) {
   nodes_.resize(level + order_.size() / kWidth);
   const bool done = parallel_for(nodes_.size() - level, run, [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = level + begin; node < level + end; ++node) {
-      for (std::size_t k = 0; k < kWidth; ++k) {
-        const std::size_t at = (node - level) * kWidth + k;
-        set_box(node, k, box_of(order_[at]));
-      }
+      for (std::size_t k = 0; k < kWidth; k += 4) set_boxes(node, k, &order_[(node - level) * kWidth + k]);
     }
   });
   if (!done) return false;
@@ -110,28 +119,40 @@ bool NearestTriangle::fill(const RunControl& run) {
 
 void NearestTriangle::set_box(std::size_t node, std::size_t k, const Box& box) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    nodes_[node].low[axis][k] = box.low[axis];
-    nodes_[node].high[axis][k] = box.high[axis];
+    nodes_[node].low[axis][k] = box.low.lanes()[axis];
+    nodes_[node].high[axis][k] = box.high.lanes()[axis];
+  }
+}
+
+/// Of four triangles from child k on.
+void NearestTriangle::set_boxes(std::size_t node, std::size_t k, const Index* triangles) {
+  SimdVec3::Lanes lows[4], highs[4], low[3], high[3];
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Box box = box_of(triangles[i]);
+    lows[i] = box.low.lanes(), highs[i] = box.high.lanes();
+  }
+  by_axis(lows, low);
+  by_axis(highs, high);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::memcpy(nodes_[node].low[axis] + k, &low[axis], sizeof low[axis]);
+    std::memcpy(nodes_[node].high[axis] + k, &high[axis], sizeof high[axis]);
   }
 }
 
 NearestTriangle::Box NearestTriangle::box_of_children(std::size_t node) const {
-  Box box;
+  float low[3], high[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    box.low[axis] = std::ranges::min(nodes_[node].low[axis]);
-    box.high[axis] = std::ranges::max(nodes_[node].high[axis]);
+    low[axis] = extreme_of(nodes_[node].low[axis], [](auto a, auto b) { return a < b ? a : b; });
+    high[axis] = extreme_of(nodes_[node].high[axis], [](auto a, auto b) { return a > b ? a : b; });
   }
-  return box;
+  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
 NearestTriangle::Box NearestTriangle::box_of(Index triangle) const {
   const Triangle& t = triangles_[triangle];
   const auto a = positions_[t[0]].lanes(), b = positions_[t[1]].lanes(), c = positions_[t[2]].lanes();
   const auto low = a < b ? a : b, high = a > b ? a : b;
-  Box box;
-  box.low = SimdVec3(low < c ? low : c).vec3();
-  box.high = SimdVec3(high > c ? high : c).vec3();
-  return box;
+  return {SimdVec3(low < c ? low : c), SimdVec3(high > c ? high : c)};
 }
 
 double NearestTriangle::to_triangle(const Vec3d& point, Index triangle) const {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cfloat>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -38,18 +37,20 @@ struct Wide {
 
 struct Box {
   static constexpr float kFar = std::numeric_limits<float>::max();
-  Vec3f low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+  SimdVec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
 };
 
+/// More than the root of the largest square that float takes for 0.
+constexpr float kLeastRadius = 2e-19F;
+
 /// All that is within a distance of a point, and a little more.
-BURNISH_INLINE Box around(const Vec3f& p, double squared) {
-  const double radius = std::sqrt(squared);
+BURNISH_INLINE Box around(const Floats& p, double squared) {
+  const float radius = std::sqrt(static_cast<float>(squared)) + kLeastRadius;
+  const Floats slack = ((p < 0.0F ? -p : p) + radius) * 0x1p-21F;  // more than all rounding
+  const Floats low = p - radius - slack, high = p + radius + slack;
   Box box;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double slack = 0x1p-22 * (std::abs(p[axis]) + radius) + FLT_MIN;  // more than all rounding
-    box.low[axis] = static_cast<float>(std::max<double>(p[axis] - radius - slack, -Box::kFar));
-    box.high[axis] = static_cast<float>(std::min<double>(p[axis] + radius + slack, Box::kFar));
-  }
+  box.low = SimdVec3(low > -Box::kFar ? low : Floats{} - Box::kFar);
+  box.high = SimdVec3(high < Box::kFar ? high : Floats{} + Box::kFar);
   return box;
 }
 
@@ -77,25 +78,14 @@ BURNISH_INLINE unsigned children_meeting(const Box& box, const Node& node) {
       std::memcpy(&values, lanes + part, sizeof values);
       return values;
     };
-    const auto met = (at(node.low[0]) <= box.high.x) & (at(node.high[0]) >= box.low.x) &
-                     (at(node.low[1]) <= box.high.y) & (at(node.high[1]) >= box.low.y) &
-                     (at(node.low[2]) <= box.high.z) & (at(node.high[2]) >= box.low.z);
+    const auto met = (at(node.low[0]) <= box.high.x()) & (at(node.high[0]) >= box.low.x()) &
+                     (at(node.low[1]) <= box.high.y()) & (at(node.high[1]) >= box.low.y()) &
+                     (at(node.low[2]) <= box.high.z()) & (at(node.high[2]) >= box.low.z());
     Mask quarters[kLanes / 4];
     std::memcpy(quarters, &met, sizeof met);
     for (std::size_t q = 0; q < kLanes / 4; ++q) bits |= bits_of(quarters[q]) << (part + 4 * q);
   }
   return bits;
-}
-
-/// The rows of four points, by axis.
-BURNISH_INLINE void by_axis(const Floats (&rows)[kRow], Floats (&axes)[3]) {
-  const Floats xy01 = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5),
-               xy23 = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5),
-               z01 = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7),
-               z23 = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
-  axes[0] = __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5);
-  axes[1] = __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7);
-  axes[2] = __builtin_shufflevector(z01, z23, 0, 1, 4, 5);
 }
 
 /// The corners of four triangles, given by their places in the order.
@@ -362,11 +352,9 @@ BURNISH_INLINE bool find_with(const Tree& tree, std::span<const Vec3f> points, s
   Box all;
   for (std::size_t i = 0; i < points.size(); ++i) {
     group.points[i] = SimdVec3(points[i]).lanes();
-    boxes[i] = around(points[i], squared[i]);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      all.low[axis] = std::min(all.low[axis], boxes[i].low[axis]);
-      all.high[axis] = std::max(all.high[axis], boxes[i].high[axis]);
-    }
+    boxes[i] = around(group.points[i], squared[i]);
+    all.low = SimdVec3(detail::smaller(boxes[i].low.lanes(), all.low.lanes()));
+    all.high = SimdVec3(boxes[i].high.lanes() > all.high.lanes() ? boxes[i].high.lanes() : all.high.lanes());
   }
   Near near;
   if (!collect<Width>(tree, all, near)) return false;

@@ -49,4 +49,15 @@ class SimdVec3 {
   Lanes lanes_{};
 };
 
+/// Four points, a row each, by axis.
+[[gnu::always_inline]] inline void by_axis(const SimdVec3::Lanes (&rows)[4], SimdVec3::Lanes (&axes)[3]) {
+  const SimdVec3::Lanes xy01 = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5),
+                        xy23 = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5),
+                        z01 = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7),
+                        z23 = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
+  axes[0] = __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5);
+  axes[1] = __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7);
+  axes[2] = __builtin_shufflevector(z01, z23, 0, 1, 4, 5);
+}
+
 }  // namespace burnish
