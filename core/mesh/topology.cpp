@@ -335,12 +335,24 @@ double mean_edge_length(std::span<const Vec3f> positions, const Topology& topolo
   if (topology.edges == 0) return 0;
   const double sum = parallel_sum(positions.size(), run, [&](std::size_t begin, std::size_t end) {
     double lengths = 0;
+    constexpr std::size_t kMost = 256;
+    std::array<double, kMost> squares;  // for roots in pairs, which take no longer than one
+    std::size_t count = 0;
+    const auto add_roots = [&] {
+      for (std::size_t i = 0; i < count; ++i) squares[i] = std::sqrt(squares[i]);
+      for (std::size_t i = 0; i < count; ++i) lengths += squares[i];
+      count = 0;
+    };
     for (std::size_t v = begin; v < end; ++v) {
-      const auto row = topology.vertex_neighbours[v];
-      std::size_t i = 0;  // of the first neighbour behind v: each edge counts once
-      for (const Index w : row) i += w < v;
-      for (; i < row.size(); ++i) lengths += length(to_double(positions[row[i]]) - to_double(positions[v]));
+      const Vec3d here = to_double(positions[v]);
+      for (const Index w : topology.vertex_neighbours[v]) {
+        const Vec3d way = to_double(positions[w]) - here;
+        squares[count] = dot(way, way);
+        count += w > v;  // each edge counts once; which of the two comes first no processor guesses
+        if (count == kMost) add_roots();
+      }
     }
+    add_roots();
     return lengths;
   });
   return sum / topology.edges;

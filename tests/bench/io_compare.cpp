@@ -21,7 +21,7 @@
 namespace burnish::bench {
 namespace {
 
-constexpr int kRuns = 5;
+constexpr int kRuns = 20;
 
 std::string whole_file(const std::string& path) {
   std::string text(std::filesystem::file_size(path), '\0');
