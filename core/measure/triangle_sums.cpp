@@ -142,10 +142,38 @@ BURNISH_INLINE Doubles gather(std::span<const double> values, const Index (&vert
   return Doubles{values[vertices[0]], values[vertices[1]], values[vertices[2]], values[vertices[3]]};
 }
 
+/// What the angles between some normals come from. Angles are found in a loop of their own: the chain from a
+/// root to its arctangent is long, and of what stands in one short loop the processor works on many at once.
+struct AngleChunk {
+  static constexpr std::size_t kMost = 64;
+  Doubles squared_cross[kMost], dot[kMost], weight[kMost];  // weight 0: an area that is none
+  std::size_t count = 0;
+};
+
+struct AngleSums {
+  Doubles angles{}, largest{}, compared{}, flipped{};
+
+  BURNISH_INLINE void add(AngleChunk& chunk) {
+    const Doubles zero{}, right_angle = zero + kPi / 2;
+    for (std::size_t i = 0; i < chunk.count; ++i) {
+      const Doubles counts = chunk.weight[i];
+      const Doubles angle = angle_of(root(chunk.squared_cross[i]), chunk.dot[i]);
+      const Doubles counted = counts > zero ? angle : zero;
+      angles += counted;
+      largest = larger(counted, largest);
+      compared += counts;
+      flipped += counted > right_angle ? counts : zero;
+    }
+    chunk.count = 0;
+  }
+};
+
 BURNISH_INLINE Errors errors_of(std::span<const Triangle> triangles, std::span<const Vec3f> positions,
                                 std::span<const double> squared, std::span<const Vec3f> others) {
-  const Doubles zero{}, right_angle = zero + kPi / 2;
-  Doubles area{}, weighted{}, angles{}, largest{}, compared{}, flipped{};
+  const Doubles zero{};
+  Doubles area{}, weighted{};
+  AngleChunk chunk;
+  AngleSums sums;
   for (std::size_t t = 0; t < triangles.size(); t += kLanes) {
     const Quad quad(triangles, t);
     const Vectors ours = area_normal(positions, quad);
@@ -155,20 +183,18 @@ BURNISH_INLINE Errors errors_of(std::span<const Triangle> triangles, std::span<c
                               gather(squared, quad.corners[2]));
     if (others.empty()) continue;
     const Vectors theirs = area_normal(others, quad), both = across(ours, theirs);
-    const Doubles angle = angle_of(root(times(both, both)), times(ours, theirs));
-    const Doubles counts = ((size > zero) & (times(theirs, theirs) > zero)) ? quad.weight : zero;
-    const Doubles counted = counts > zero ? angle : zero;
-    angles += counted;
-    largest = larger(counted, largest);
-    compared += counts;
-    flipped += counted > right_angle ? counts : zero;
+    chunk.squared_cross[chunk.count] = times(both, both);
+    chunk.dot[chunk.count] = times(ours, theirs);
+    chunk.weight[chunk.count] = ((size > zero) & (times(theirs, theirs) > zero)) ? quad.weight : zero;
+    if (++chunk.count == AngleChunk::kMost) sums.add(chunk);
   }
+  sums.add(chunk);
   return {sum_of(area) / 2,
           sum_of(weighted) / 2,
-          sum_of(angles),
-          largest_of(largest),
-          static_cast<std::uint32_t>(sum_of(compared)),
-          static_cast<std::uint32_t>(sum_of(flipped))};
+          sum_of(sums.angles),
+          largest_of(sums.largest),
+          static_cast<std::uint32_t>(sum_of(sums.compared)),
+          static_cast<std::uint32_t>(sum_of(sums.flipped))};
 }
 
 Shape shape_128(std::span<const Triangle> triangles, std::span<const Vec3f> positions) {
