@@ -93,7 +93,7 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
                             const NearestTriangle& nearest, const Surface& reference,
                             std::span<const Vec3f> others, std::span<const Index> partner,
                             const RunControl& run, std::span<double> squared) {
-  const double wide = 6 * surface.mean_edge;
+  const double wide = 36 * surface.mean_edge * surface.mean_edge;
   return parallel_for(positions.size(), run, [&](std::size_t begin, std::size_t end) {
     std::array<Vec3f, NearestTriangle::kGroup> points;
     std::array<double, NearestTriangle::kGroup> bounds;
@@ -104,7 +104,8 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
       std::size_t count = 0;
       for (; v < end && count < points.size(); ++v) {
         if (surface.topology.vertex_faces[v].empty()) continue;
-        if (count > 0 && length(to_double(positions[v] - points[0])) > wide) break;
+        const Vec3d along = count > 0 ? to_double(positions[v]) - to_double(points[0]) : Vec3d{};
+        if (dot(along, along) > wide) break;
         const Vec3d way = to_double(positions[v]) - to_double(others[v]);
         const auto faces = reference.topology.vertex_faces[partner[v]];
         const bool bounded = !faces.empty();

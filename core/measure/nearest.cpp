@@ -104,14 +104,16 @@ bool NearestTriangle::fill(const RunControl& run) {
   nodes_.resize(level + order_.size() / kWidth);
   const bool done = parallel_for(nodes_.size() - level, run, [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = level + begin; node < level + end; ++node) {
-      for (std::size_t k = 0; k < kWidth; k += 4) set_boxes(node, k, &order_[(node - level) * kWidth + k]);
+      const Box whole = set_boxes(node, &order_[(node - level) * kWidth]);
+      if (node > 0) set_box((node - 1) / kWidth, (node - 1) % kWidth, whole);
     }
   });
   if (!done) return false;
   for (std::size_t node = level; node-- > 0;) {
     for (std::size_t k = 0; k < kWidth; ++k) {
       const std::size_t child = node * kWidth + 1 + k;
-      set_box(node, k, child < nodes_.size() ? box_of_children(child) : Box());
+      if (child >= nodes_.size()) set_box(node, k, Box());
+      if (child < level) set_box(node, k, box_of_children(child));
     }
   }
   return true;
@@ -124,19 +126,25 @@ void NearestTriangle::set_box(std::size_t node, std::size_t k, const Box& box) {
   }
 }
 
-/// Of four triangles from child k on.
-void NearestTriangle::set_boxes(std::size_t node, std::size_t k, const Index* triangles) {
-  SimdVec3::Lanes lows[4], highs[4], low[3], high[3];
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Box box = box_of(triangles[i]);
-    lows[i] = box.low.lanes(), highs[i] = box.high.lanes();
+/// The boxes of eight triangles, and the one around them.
+NearestTriangle::Box NearestTriangle::set_boxes(std::size_t node, const Index* triangles) {
+  Box whole;
+  for (std::size_t k = 0; k < kWidth; k += 4) {
+    SimdVec3::Lanes lows[4], highs[4], low[3], high[3];
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Box box = box_of(triangles[k + i]);
+      lows[i] = box.low.lanes(), highs[i] = box.high.lanes();
+      whole.low = SimdVec3(lows[i] < whole.low.lanes() ? lows[i] : whole.low.lanes());
+      whole.high = SimdVec3(highs[i] > whole.high.lanes() ? highs[i] : whole.high.lanes());
+    }
+    by_axis(lows, low);
+    by_axis(highs, high);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::memcpy(nodes_[node].low[axis] + k, &low[axis], sizeof low[axis]);
+      std::memcpy(nodes_[node].high[axis] + k, &high[axis], sizeof high[axis]);
+    }
   }
-  by_axis(lows, low);
-  by_axis(highs, high);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::memcpy(nodes_[node].low[axis] + k, &low[axis], sizeof low[axis]);
-    std::memcpy(nodes_[node].high[axis] + k, &high[axis], sizeof high[axis]);
-  }
+  return whole;
 }
 
 NearestTriangle::Box NearestTriangle::box_of_children(std::size_t node) const {

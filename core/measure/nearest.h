@@ -62,7 +62,7 @@ class NearestTriangle {
   Box box_of(Index triangle) const;
   Box box_of_children(std::size_t node) const;
   void set_box(std::size_t node, std::size_t child, const Box& box);
-  void set_boxes(std::size_t node, std::size_t child, const Index* triangles);
+  Box set_boxes(std::size_t node, const Index* triangles);
   std::array<Entry, kWidth> entries(const Vec3f& point, std::size_t node) const;
   double to_box(const Vec3d& point, std::size_t child) const;
   double to_triangle(const Vec3d& point, Index triangle) const;

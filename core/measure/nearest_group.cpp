@@ -235,6 +235,7 @@ BURNISH_INLINE void add_hits(const Tree& tree, const Near& near, const Box& box,
 
 /// The points of a group, and the least squared distance seen of each.
 struct Group {
+  std::size_t count;
   std::array<Floats, kMost> points;
   std::array<double, kMost> least;
 };
@@ -286,7 +287,7 @@ BURNISH_INLINE void see(const Tree& tree, Hits& hits, Group& group) {
   hits.fill_up(kRows);
   std::array<float, Hits::kMostOfPoint * 2 + Node::kWidth> lows;
   std::array<Floats, kMost> highs;
-  highs.fill(Floats{} + std::numeric_limits<float>::infinity());
+  std::fill_n(highs.begin(), group.count, Floats{} + std::numeric_limits<float>::infinity());
   for (std::size_t h = 0; h < hits.count; h += kLanes) {
     Row rows[kRows];
     Floats axes[kRows][3];
@@ -320,7 +321,7 @@ BURNISH_INLINE void see(const Tree& tree, Hits& hits, Group& group) {
       high = detail::smaller(parts[r], high);
     }
   }
-  for (Floats& high : highs) {
+  for (Floats& high : std::span(highs).first(group.count)) {
     const Floats half = detail::smaller(high, __builtin_shufflevector(high, high, 2, 3, 0, 1));
     high = detail::smaller(half, __builtin_shufflevector(half, half, 1, 0, 3, 2));
   }
@@ -348,7 +349,8 @@ template <class Width>
 BURNISH_INLINE bool find_with(const Tree& tree, std::span<const Vec3f> points, std::span<double> squared) {
   std::array<Box, kMost> boxes;
   Group group;
-  group.least.fill(std::numeric_limits<double>::infinity());
+  group.count = points.size();
+  std::fill_n(group.least.begin(), group.count, std::numeric_limits<double>::infinity());
   Box all;
   for (std::size_t i = 0; i < points.size(); ++i) {
     group.points[i] = SimdVec3(points[i]).lanes();
