@@ -93,7 +93,7 @@ bool measure_near_distances(const Surface& surface, std::span<const Vec3f> posit
                             const NearestTriangle& nearest, const Surface& reference,
                             std::span<const Vec3f> others, std::span<const Index> partner,
                             const RunControl& run, std::span<double> squared) {
-  const double wide = 36 * surface.mean_edge * surface.mean_edge;
+  const double wide = 100 * surface.mean_edge * surface.mean_edge;
   return parallel_for(positions.size(), run, [&](std::size_t begin, std::size_t end) {
     std::array<Vec3f, NearestTriangle::kGroup> points;
     std::array<double, NearestTriangle::kGroup> bounds;

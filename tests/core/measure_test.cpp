@@ -194,6 +194,31 @@ TEST(NearestTriangle, AgreesWithTryingAllForFlatTriangles) {
   expect_group_nearest(mesh, points);
 }
 
+TEST(NearestTriangle, AgreesWithTryingAllForGroupsOfAnySize) {
+  // Products of four lengths leave what float can hold on both sides; so do squares, at the smallest.
+  for (const float size : {1e-25F, 1e-18F, 1e-9F, 1e-3F, 1e7F, 1e12F, 1e17F}) {
+    Mesh mesh = surface_of(with_noise(sphere(3), 0.1)).mesh;
+    std::vector<Vec3f> points = surface_of(with_noise(sphere(3), 0.06)).mesh.positions;
+    for (Vec3f& p : mesh.positions) p = p * size;
+    for (Vec3f& p : points) p = p * size;
+    expect_group_nearest(mesh, points);
+  }
+}
+
+TEST(NearestTriangle, AgreesWithTryingAllWhereManyTrianglesAreEquallyNear) {
+  Mesh mesh = surface_of(grid(30)).mesh;
+  std::vector<Vec3f> points;  // over corners, middles of sides and faces, and nearly so
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3f pa = mesh.positions[a], pb = mesh.positions[b], pc = mesh.positions[c];
+    for (Vec3f p : {pa, (pa + pb) * 0.5F, (pa + pb + pc) * (1.0F / 3)}) {
+      p.z += 0.01F;
+      points.push_back(p);
+      points.push_back(p * (1 + 0x1p-22F));
+    }
+  }
+  expect_group_nearest(mesh, points);
+}
+
 TEST(NearestTriangle, AgreesWithTryingAllWhenEveryTriangleIsNearEveryPoint) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> at(-1, 1);

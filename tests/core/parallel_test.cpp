@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <thread>
+#include <vector>
 
 namespace burnish {
 namespace {
@@ -15,6 +17,45 @@ TEST(ParallelFor, VisitsEveryItemOnceForAnyThreadCount) {
       for (std::size_t i = begin; i < end; ++i) ++visits[i];
     }));
     for (const auto& count : visits) ASSERT_EQ(count, 1) << threads;
+  }
+}
+
+TEST(BlockSize, GivesTwoOrFourThreadsAsMuchToDo) {
+  for (std::size_t items = 1; items < 70 * kBlockSize; items += 1 + items / 50) {
+    const std::size_t blocks = block_count(items), size = block_size(items);
+    EXPECT_LE(size, kBlockSize);
+    EXPECT_GE(blocks * size, items);
+    EXPECT_LT((blocks - 1) * size, items) << "an empty block";
+    if (items <= kBlockSize) {
+      EXPECT_EQ(blocks, 1);
+    } else {
+      EXPECT_EQ(blocks % 2, 0) << items;
+      EXPECT_TRUE(items <= 8 * kBlockSize || blocks % 4 == 0) << items;
+      EXPECT_LT(blocks * size - items, blocks) << items;  // the last is as long as the others, or nearly
+    }
+  }
+}
+
+TEST(ParallelFor, GivesEachThreadAShareAndThoseWhoAreDoneTheRestOfAnothersFromItsBack) {
+  const std::size_t items = 16 * kBlockSize, blocks = block_count(items);
+  const RunControl run{.threads = 2};
+  if (thread_count(run) < 2) GTEST_SKIP() << "one core";
+  for (int loop = 0; loop < 3; ++loop) {  // the same in every loop
+    std::vector<std::size_t> order;       // of the other thread, which is alone while the first block waits
+    std::atomic<std::size_t> done = 0;
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    parallel_for(items, run, [&](std::size_t begin, std::size_t) {
+      if (begin == 0) {
+        while (done < blocks - 1 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+      } else if (done < blocks - 1) {
+        order.push_back(begin / block_size(items));
+        ++done;
+      }
+    });
+    std::vector<std::size_t> expected;
+    for (std::size_t b = blocks / 2; b < blocks; ++b) expected.push_back(b);
+    for (std::size_t b = blocks / 2 - 1; b > 0; --b) expected.push_back(b);
+    EXPECT_EQ(order, expected);
   }
 }
 
