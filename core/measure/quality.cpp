@@ -57,7 +57,8 @@ Result<MeshChange> measure_change(const Surface& surface, std::span<const Vec3f>
   const std::size_t counted = before.size() - surface.topology.isolated_vertices;
   const double scale = surface.mesh.frame.scale();
   if (counted > 0) change.rms_displacement = std::sqrt(sum / static_cast<double>(counted)) * scale;
-  change.max_displacement = std::sqrt(std::ranges::max(largest)) * scale;
+  const double farthest = largest.empty() ? 0 : std::ranges::max(largest);
+  change.max_displacement = std::sqrt(farthest) * scale;
   const Totals was = totals(surface, before, run), is = totals(surface, after, run);
   if (run.stopped()) return run.stop_error();
   change.area_percent = percent(was.area, is.area, 0);

@@ -134,7 +134,8 @@ Multigrid::Level Multigrid::level_of(const Graph& graph) {
   level.product = [&graph, diagonal = std::move(diagonal)](std::span<const SimdVec3> p, std::span<SimdVec3> q,
                                                            std::size_t begin) {
     const IndexRows& near = graph.neighbours;
-    for (std::size_t v = begin; v < std::min(begin + block_size(q.size()), q.size()); ++v) {
+    const std::size_t end = std::min(begin + block_size(q.size()), q.size());
+    for (std::size_t v = begin; v < end; ++v) {
       SimdVec3 sum = p[v] * diagonal[v];
       for (Index k = near.offsets[v]; k < near.offsets[v + 1]; ++k)
         sum -= p[near.items[k]] * graph.weights[k];
