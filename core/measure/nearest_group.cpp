@@ -283,7 +283,7 @@ BURNISH_INLINE void see_row(const Tree& tree, const std::uint32_t* places, const
 template <class Width>
 BURNISH_INLINE void see(const Tree& tree, Hits& hits, Group& group) {
   using Boxes = typename Width::Boxes;
-  constexpr std::size_t kRows = sizeof(Boxes) / sizeof(Floats), kLanes = kRows * kRow;
+  constexpr std::size_t kLanes = sizeof(Boxes) / sizeof(float), kRows = kLanes / kRow;
   hits.fill_up(kRows);
   std::array<float, Hits::kMostOfPoint * 2 + Node::kWidth> lows;
   std::array<Floats, kMost> highs;
