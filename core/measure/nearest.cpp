@@ -16,11 +16,6 @@ double squared_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Ve
   return wedge.is_flat() ? wedge.squared_to_flat() : wedge.squared_to_face();
 }
 
-struct NearestTriangle::Box {
-  static constexpr float kFar = std::numeric_limits<float>::max();
-  SimdVec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
-};
-
 namespace {
 
 /// Triangles by the place of their middle corner in an order of the vertices, by counting. Not by their
@@ -134,8 +129,7 @@ NearestTriangle::Box NearestTriangle::set_boxes(std::size_t node, const Index* t
     for (std::size_t i = 0; i < 4; ++i) {
       const Box box = box_of(triangles[k + i]);
       lows[i] = box.low.lanes(), highs[i] = box.high.lanes();
-      whole.low = SimdVec3(lows[i] < whole.low.lanes() ? lows[i] : whole.low.lanes());
-      whole.high = SimdVec3(highs[i] > whole.high.lanes() ? highs[i] : whole.high.lanes());
+      whole.extend(box);
     }
     by_axis(lows, low);
     by_axis(highs, high);
@@ -158,9 +152,9 @@ NearestTriangle::Box NearestTriangle::box_of_children(std::size_t node) const {
 
 NearestTriangle::Box NearestTriangle::box_of(Index triangle) const {
   const Triangle& t = triangles_[triangle];
-  const auto a = positions_[t[0]].lanes(), b = positions_[t[1]].lanes(), c = positions_[t[2]].lanes();
-  const auto low = a < b ? a : b, high = a > b ? a : b;
-  return {SimdVec3(low < c ? low : c), SimdVec3(high > c ? high : c)};
+  Box box{positions_[t[0]], positions_[t[0]]};
+  for (const Index v : {t[1], t[2]}) box.extend({positions_[v], positions_[v]});
+  return box;
 }
 
 double NearestTriangle::to_triangle(const Vec3d& point, Index triangle) const {

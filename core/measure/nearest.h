@@ -45,7 +45,7 @@ class NearestTriangle {
                 const RunControl& run) const;
 
  private:
-  struct Box;
+  using Box = nearest_group::Box;
   using Node = nearest_group::Node;
   static constexpr std::size_t kWidth = Node::kWidth;
 

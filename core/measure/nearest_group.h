@@ -3,6 +3,7 @@
 // same bits.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,17 @@
 #include "core/mesh/topology.h"
 
 namespace burnish::nearest_group {
+
+/// From the lowest to the highest coordinates; as it begins it holds nothing.
+struct Box {
+  static constexpr float kFar = std::numeric_limits<float>::max();
+  SimdVec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+
+  [[gnu::always_inline]] void extend(const Box& by) {
+    low = SimdVec3(by.low.lanes() < low.lanes() ? by.low.lanes() : low.lanes());
+    high = SimdVec3(by.high.lanes() > high.lanes() ? by.high.lanes() : high.lanes());
+  }
+};
 
 /// The boxes of a node's eight children, by axis; one without a child is empty.
 struct alignas(32) Node {

@@ -74,15 +74,10 @@ BURNISH_INLINE Doubles to_doubles(const Floats& lanes) {
 
 /// One vertex per lane.
 BURNISH_INLINE Vectors gather(std::span<const Vec3f> positions, const Index (&vertices)[kLanes]) {
-  const Floats p0 = SimdVec3(positions[vertices[0]]).lanes(), p1 = SimdVec3(positions[vertices[1]]).lanes(),
-               p2 = SimdVec3(positions[vertices[2]]).lanes(), p3 = SimdVec3(positions[vertices[3]]).lanes();
-  const Floats xy01 = __builtin_shufflevector(p0, p1, 0, 4, 1, 5),
-               xy23 = __builtin_shufflevector(p2, p3, 0, 4, 1, 5),
-               z01 = __builtin_shufflevector(p0, p1, 2, 6, 3, 7),
-               z23 = __builtin_shufflevector(p2, p3, 2, 6, 3, 7);
-  return {to_doubles(__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5)),
-          to_doubles(__builtin_shufflevector(xy01, xy23, 2, 3, 6, 7)),
-          to_doubles(__builtin_shufflevector(z01, z23, 0, 1, 4, 5))};
+  Floats rows[kLanes], axes[3];
+  for (std::size_t i = 0; i < kLanes; ++i) rows[i] = SimdVec3(positions[vertices[i]]).lanes();
+  by_axis(rows, axes);
+  return {to_doubles(axes[0]), to_doubles(axes[1]), to_doubles(axes[2])};
 }
 
 /// Four triangles by corner; at the end the last one again, with the weight 0.
