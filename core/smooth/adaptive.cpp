@@ -8,7 +8,6 @@
 #include "core/run/math.h"
 #include "core/run/parallel.h"
 #include "core/smooth/adaptive_kernels.h"
-#include "core/smooth/adaptive_tiles.h"
 #include "core/smooth/parameters.h"
 #include "core/smooth/umbrella.h"
 #include "core/smooth/valence_order.h"
@@ -16,16 +15,13 @@
 namespace burnish {
 namespace {
 
-using adaptive_kernels::kVanishing;
-using adaptive_kernels::Row;
+using Row = SimdVec3::Lanes;  // four floats
 
-/// Planes of triangles with their area normals (n, |n|), n the normal times twice the area.
-struct Planes {
-  std::span<const Row> planes, area_normals;
-};
+/// Below this share of the summed areas the weighted normals cancel out, and their sum is only rounding.
+constexpr float kVanishing = 1e-6F;
 
-/// Eq. 1 as printed runs in the kernels, tile by tile; any other choice of it first fills arrays of all
-/// triangles, one at a time.
+/// The choices that the kernels have run there, vertex by vertex of one valence; any other first fills arrays
+/// of all triangles, one at a time.
 class Adaptive {
  public:
   Adaptive(const Surface& surface, const AdaptiveParams& params, std::span<const std::uint8_t> movable,
@@ -34,77 +30,42 @@ class Adaptive {
         topology_(surface.topology),
         params_(params),
         run_(run),
-        order_(surface.topology, movable, ValenceOrder::With::Neighbours, run) {
+        plain_(params.normals == AdaptiveParams::Normals::Raw &&
+               params.neighbourhood == AdaptiveParams::Neighbourhood::Edges &&
+               params.offsets == AdaptiveParams::Offsets::Uniform &&
+               params.umbrella == AdaptiveParams::Umbrella::Uniform &&
+               params.coefficient == AdaptiveParams::Coefficient::Exponential),
+        order_(plain_ ? ValenceOrder(surface.mesh.triangles, topology_, movable, run)
+                      : ValenceOrder(topology_, movable, run)) {
     const double scale = params.scale > 0 ? params.scale / surface.mesh.frame.scale() : surface.mean_edge;
     per_squared_scale_ = scale > 0 ? 1 / (scale * scale) : 0;
-    const bool as_printed = params_.normals == AdaptiveParams::Normals::Raw &&
-                            params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges;
-    if (as_printed) {
-      tiles_.emplace(surface.mesh.triangles, surface.topology, order_, run);
-      return;
-    }
+    if (plain_) return;
     planes_.resize(surface.mesh.triangles.size());
     area_normals_.resize(planes_.size());
     if (params.neighbourhood == AdaptiveParams::Neighbourhood::Vertices) around_.emplace(surface, run);
   }
 
   bool prepare(std::span<const SimdVec3> from) {
-    if (tiles_) return true;
+    if (plain_) return true;
+    const auto known = [&](std::size_t f) { return area_normals_[f]; };
     return for_each(planes_.size(), run_, [&](std::size_t f) { area_normals_[f] = area_normal(from, f); }) &&
-           for_each(planes_.size(), run_, [&](std::size_t f) { planes_[f] = plane(from, f); });
+           for_each(planes_.size(), run_, [&](std::size_t f) { planes_[f] = plane(from, f, known); });
   }
 
-  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
-            std::size_t end) const {
-    if (tiles_) return move_tile(from, to, begin, end);
+  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
     order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
-      for (const Index v : group.vertices) {
-        to[v] = moved(from, v, topology_.vertex_faces[v], 1, {planes_, area_normals_});
+      if (plain_ && group.valence != ValenceOrder::kOther) {
+        kernel_.move(group, static_cast<float>(per_squared_scale_), from, to);
+        return;
       }
+      for (const Index v : group.vertices) to[v] = moved(from, v);
     });
   }
 
  private:
-  void move_tile(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
-                 std::size_t end) const {
-    if (pays_to_fetch_ahead(from.size())) {
-      for (std::size_t v = begin; v < end; v += 4) fetch_ahead(from, to, v);
-    }
-    const AdaptiveTiles::Tile& tile = (*tiles_)[begin];
-    thread_local Buffer<Row> area_normals, planes;  // they stay for the next tile
-    const std::size_t rows = tile.any_turned ? tile.turned(tile.triangles()) : tile.none() + 1;
-    if (area_normals.size() < rows) area_normals.resize(rows);
-    if (planes.size() < tile.triangles()) planes.resize(tile.triangles());
-    kernels_.measure(tile.corners, from, 0, tile.triangles(), area_normals, planes);
-    area_normals[tile.none()] = Row{};
-    for (std::size_t f = 0; tile.any_turned && f < tile.triangles(); ++f) {
-      area_normals[tile.turned(f)] = area_normals[f] * Row{-1, -1, -1, 1};
-    }
-    kernels_.expect(tile.across, area_normals, 0, tile.expected(), planes);
-
-    const bool plain = params_.offsets == AdaptiveParams::Offsets::Uniform &&
-                       params_.umbrella == AdaptiveParams::Umbrella::Uniform &&
-                       params_.coefficient == AdaptiveParams::Coefficient::Exponential;
-    std::span<const std::uint32_t> faces = tile.faces;
-    order_.for_each_group(begin, [&](ValenceOrder::Group group) {
-      if (plain && group.valence != ValenceOrder::kOther) {
-        group.faces = faces.first(group.neighbours.size());
-        faces = faces.subspan(group.faces.size());
-        kernels_.move(group, planes, static_cast<float>(per_squared_scale_), from, to);
-        return;
-      }
-      for (const Index v : group.vertices) {
-        const std::size_t count = topology_.vertex_faces[v].size();
-        to[v] = moved(from, v, faces.first(count), doubled(1), {planes, area_normals});
-        faces = faces.subspan(count);
-      }
-    });
-  }
-
-  /// Eq. 8, with the rows of planes of the triangles at v, times `unit`.
-  SimdVec3 moved(std::span<const SimdVec3> from, Index v, std::span<const std::uint32_t> faces,
-                 std::uint32_t unit, const Planes& planes) const {
-    return from[v] + offset(from[v], faces, unit, planes) * static_cast<float>(coefficient(from, v));
+  /// Eq. 8.
+  SimdVec3 moved(std::span<const SimdVec3> from, Index v) const {
+    return from[v] + offset(from, v) * static_cast<float>(coefficient(from, v));
   }
 
   /// Normal times twice the area, and twice the area.
@@ -115,17 +76,19 @@ class Adaptive {
   }
 
   /// m(R), Eq. 1: sum of A(S) n(S) over sum of A(S); n(R) where the neighbours cancel out or there are none.
-  SimdVec3 expected_normal(std::size_t f) const {
+  /// `area_normal_of(f)` is asked for the neighbours' and for its own.
+  template <class AreaNormals>
+  SimdVec3 expected_normal(std::size_t f, const AreaNormals& area_normal_of) const {
     SimdVec3 sum;
     float areas = 0;
     const auto add = [&](Index neighbour, bool opposed) {
-      const SimdVec3 area_normal = normal(neighbour);
+      const Row row = area_normal_of(neighbour);
       if (opposed) {
-        sum -= area_normal;
+        sum -= normal(row);
       } else {
-        sum += area_normal;
+        sum += normal(row);
       }
-      areas += twice_area(neighbour);
+      areas += row[3];
     };
     if (params_.neighbourhood == AdaptiveParams::Neighbourhood::Edges) {
       for (std::size_t side = 0; side < 3; ++side) {
@@ -137,34 +100,31 @@ class Adaptive {
     }
     const float size = length(sum);
     if (size <= kVanishing * areas || areas == 0) {
-      return twice_area(f) > 0 ? normal(f) * (1 / twice_area(f)) : SimdVec3{};
+      const Row own = area_normal_of(f);
+      return own[3] > 0 ? normal(own) * (1 / own[3]) : SimdVec3{};
     }
     return sum * (1 / (params_.normals == AdaptiveParams::Normals::Unit ? size : areas));
   }
 
-  SimdVec3 normal(std::size_t f) const {
-    const Row& row = area_normals_[f];
-    return {row[0], row[1], row[2]};
-  }
-  float twice_area(std::size_t f) const { return area_normals_[f][3]; }
+  static SimdVec3 normal(const Row& row) { return {row[0], row[1], row[2]}; }
 
-  Row plane(std::span<const SimdVec3> from, std::size_t f) const {
+  /// (m, m . C), m the expected normal and C the centroid.
+  template <class AreaNormals>
+  Row plane(std::span<const SimdVec3> from, std::size_t f, const AreaNormals& area_normal_of) const {
     const Triangle& t = surface_.mesh.triangles[f];
-    const SimdVec3 m = expected_normal(f);
+    const SimdVec3 m = expected_normal(f, area_normal_of);
     return Row{m.x(), m.y(), m.z(), dot(m, (from[t[0]] + from[t[1]] + from[t[2]]) * (1.0F / 3.0F))};
   }
 
   /// V, Eq. 2: the mean of [PC . m(R)] m(R) over the triangles R at P.
-  SimdVec3 offset(SimdVec3 p, std::span<const std::uint32_t> faces, std::uint32_t unit,
-                  const Planes& of) const {
+  SimdVec3 offset(std::span<const SimdVec3> from, Index v) const {
+    const auto unknown = [&](std::size_t f) { return area_normal(from, f); };
     SimdVec3 sum;
     float weights = 0;
-    for (const std::uint32_t times_unit : faces) {
-      const std::uint32_t f = times_unit / unit;
-      const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? of.area_normals[f][3] : 1.0F;
-      const Row& row = of.planes[f];
-      const SimdVec3 m(row[0], row[1], row[2]);
-      sum += m * (weight * (row[3] - dot(p, m)));
+    for (const Index f : topology_.vertex_faces[v]) {
+      const float weight = params_.offsets == AdaptiveParams::Offsets::Area ? area_normals_[f][3] : 1.0F;
+      const Row row = plain_ ? plane(from, f, unknown) : planes_[f];
+      sum += normal(row) * (weight * (row[3] - dot(from[v], normal(row))));
       weights += weight;
     }
     return weights > 0 ? sum * (1 / weights) : SimdVec3{};
@@ -195,11 +155,11 @@ class Adaptive {
   const Topology& topology_;
   const AdaptiveParams& params_;
   const RunControl& run_;
-  const adaptive_kernels::Kernels& kernels_ = adaptive_kernels::kernels();
+  const adaptive_kernels::Kernel& kernel_ = adaptive_kernels::kernel();
+  bool plain_;  ///< what the kernels do
   ValenceOrder order_;
-  std::optional<AdaptiveTiles> tiles_;  ///< when Eq. 1 is as printed
-  std::optional<FacesAround> around_;   ///< when Eq. 1 averages over them
-  Buffer<Row> area_normals_, planes_;   ///< of every triangle, when it is not as printed
+  std::optional<FacesAround> around_;  ///< when Eq. 1 averages over them
+  Buffer<Row> area_normals_, planes_;  ///< of every triangle, unless it is plain
   double per_squared_scale_;
 };
 
@@ -222,10 +182,10 @@ Result<SmoothOutcome> smooth_adaptive(Surface& surface, const AdaptiveParams& pa
                                       const IterationOptions& options, const RunControl& run) {
   const Constraints constraints(surface, options.constraints, run);
   Adaptive adaptive(surface, params, constraints.movable(), run);
-  return iterate(surface, constraints, options, run,
-                 {.prepare = [&](auto from) { return adaptive.prepare(from); },
-                  .move = [&](auto from, auto to, std::size_t begin,
-                              std::size_t end) { adaptive.move(from, to, begin, end); }});
+  return iterate(
+      surface, constraints, options, run,
+      {.prepare = [&](auto from) { return adaptive.prepare(from); },
+       .move = [&](auto from, auto to, std::size_t begin, std::size_t) { adaptive.move(from, to, begin); }});
 }
 
 Method adaptive_method() {

@@ -1,8 +1,8 @@
 #include "core/smooth/adaptive_kernels.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
-#include <cstring>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -26,15 +26,9 @@ using F8 = Floats<8>;
 
 template <class F>
 inline constexpr std::size_t kLanesOf = sizeof(F) / sizeof(float);
-/// Of the same lanes, at any address of floats.
-template <class F>
-using Anywhere __attribute__((aligned(alignof(float)), may_alias)) = F;
 /// A vector holds so many rows.
 template <class F>
 inline constexpr std::size_t kRowsIn = kLanesOf<F> / 4;
-
-BURNISH_INLINE F4 lanes(const Row& row) { return row; }
-BURNISH_INLINE F4 lanes(const SimdVec3& row) { return row.lanes(); }
 
 BURNISH_INLINE void join(F4& to, const F4 (&rows)[1]) { to = rows[0]; }
 BURNISH_INLINE void join(F8& to, const F4 (&rows)[2]) {
@@ -48,17 +42,16 @@ BURNISH_INLINE void split(const F& from, F4 (&rows)[kRowsIn<F>]) {
   for (std::size_t r = 0; r < kRowsIn<F>; ++r) rows[r] = reinterpret_cast<const Half*>(&from)[r];
 }
 
-template <class F>
-BURNISH_INLINE void take_root(F& a) {
-  F4 rows[kRowsIn<F>];
-  split(a, rows);
 #if defined(__x86_64__)
-  for (F4& row : rows) row = _mm_sqrt_ps(row);
+BURNISH_INLINE void take_root(F4& a) { a = _mm_sqrt_ps(a); }
+// GCC takes no intrinsic of AVX into a function that is not compiled for it, as the templates below; in
+// halves the roots cost a twentieth of the whole.
+BURNISH_INLINE void take_root(F8& a) { asm("vsqrtps %1, %0" : "=x"(a) : "x"(a)); }
 #else
-  for (F4& row : rows) row = F4{std::sqrt(row[0]), std::sqrt(row[1]), std::sqrt(row[2]), std::sqrt(row[3])};
-#endif
-  join(a, rows);
+BURNISH_INLINE void take_root(F4& a) {
+  a = F4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
+#endif
 
 /// Lanes k1 to k4 of each row, in which 4 and more count the lanes of the other vector's row.
 template <int k1, int k2, int k3, int k4>
@@ -75,25 +68,14 @@ BURNISH_INLINE void pick(const F8& a, const F8& b, F8& to) {
 template <class F>
 BURNISH_INLINE void transpose(F& a, F& b, F& c, F& d) {
   F ab, ab_high, cd, cd_high;
-  pick<0, 4, 1, 5>(a, b, ab);
-  pick<2, 6, 3, 7>(a, b, ab_high);
-  pick<0, 4, 1, 5>(c, d, cd);
-  pick<2, 6, 3, 7>(c, d, cd_high);
-  pick<0, 1, 4, 5>(ab, cd, a);
-  pick<2, 3, 6, 7>(ab, cd, b);
-  pick<0, 1, 4, 5>(ab_high, cd_high, c);
-  pick<2, 3, 6, 7>(ab_high, cd_high, d);
-}
-
-/// No lane of a comparison is false.
-template <class F, class Mask>
-BURNISH_INLINE bool all_of(const Mask& mask) {
-  F4 rows[kRowsIn<F>];
-  split(reinterpret_cast<const F&>(mask), rows);
-  using Halves __attribute__((vector_size(16))) = long long;
-  Halves halves = reinterpret_cast<Halves>(rows[0]);
-  for (const F4& row : rows) halves &= reinterpret_cast<Halves>(row);
-  return (halves[0] & halves[1]) == -1;
+  pick<0, 1, 4, 5>(a, b, ab);
+  pick<2, 3, 6, 7>(a, b, ab_high);
+  pick<0, 1, 4, 5>(c, d, cd);
+  pick<2, 3, 6, 7>(c, d, cd_high);
+  pick<0, 2, 4, 6>(ab, cd, a);
+  pick<1, 3, 5, 7>(ab, cd, b);
+  pick<0, 2, 4, 6>(ab_high, cd_high, c);
+  pick<1, 3, 5, 7>(ab_high, cd_high, d);
 }
 
 /// e^x for x in [0, log 1.5], by its series: the next term is below 2^-25 of the sum.
@@ -105,40 +87,22 @@ BURNISH_INLINE void exponential(F& x) {
   x = low + square * square * high;
 }
 constexpr float kLogOfMost = 0.405465108F;
+constexpr float kLeastNormal = FLT_MIN;
 
 template <class F>
 struct Columns {
   F x, y, z, w;
 };
 
-/// One row per lane, found by every `stride`-th index.
-template <class F, class Item>
-BURNISH_INLINE void gather(const Item* items, const std::uint32_t* indices, std::size_t stride,
+/// One point per lane, found by every `stride`-th index.
+template <class F>
+BURNISH_INLINE void gather(const SimdVec3* points, const std::uint32_t* indices, std::size_t stride,
                            Columns<F>& to) {
   F* const columns[] = {&to.x, &to.y, &to.z, &to.w};
   for (std::size_t k = 0; k < 4; ++k) {
     F4 rows[kRowsIn<F>];
     for (std::size_t r = 0; r < kRowsIn<F>; ++r)
-      rows[r] = lanes(at_doubled(items, indices[(k + 4 * r) * stride]));
-    join(*columns[k], rows);
-  }
-  transpose(to.x, to.y, to.z, to.w);
-}
-
-/// The sum of `kCount` such rows per lane, found by as many indices in a row.
-template <class F, std::size_t kCount, class Item>
-BURNISH_INLINE void gather_sums(const Item* items, const std::uint32_t* indices, Columns<F>& to) {
-  F4 sums[kLanesOf<F>];
-  for (std::size_t k = 0; k < kLanesOf<F>; ++k) sums[k] = lanes(at_doubled(items, indices[k * kCount]));
-#pragma GCC unroll 1
-  for (std::size_t i = 1; i < kCount; ++i) {
-    for (std::size_t k = 0; k < kLanesOf<F>; ++k)
-      sums[k] += lanes(at_doubled(items, indices[k * kCount + i]));
-  }
-  F* const columns[] = {&to.x, &to.y, &to.z, &to.w};
-  for (std::size_t k = 0; k < 4; ++k) {
-    F4 rows[kRowsIn<F>];
-    for (std::size_t r = 0; r < kRowsIn<F>; ++r) rows[r] = sums[k + 4 * r];
+      rows[r] = at_doubled(points, indices[(k + 4 * r) * stride]).lanes();
     join(*columns[k], rows);
   }
   transpose(to.x, to.y, to.z, to.w);
@@ -156,111 +120,112 @@ BURNISH_INLINE void scatter(Columns<F>& from, Put&& put) {
   }
 }
 
+/// What the triangles at a vertex are made of, per lane: the way to a neighbour, and (n, |n|) of the triangle
+/// between that and the neighbour before, n the normal times twice the area.
 template <class F>
-BURNISH_INLINE void measure(const std::uint32_t* corners, const SimdVec3* from, std::size_t begin,
-                            std::size_t end, Row* area_normals, Row* centroids) {
-  for (std::size_t f = begin; f < end; f += kLanesOf<F>) {
-    Columns<F> a, b, c, normal;
-    gather(from, corners + 3 * f, 3, a);
-    gather(from, corners + 3 * f + 1, 3, b);
-    gather(from, corners + 3 * f + 2, 3, c);
-    auto* const sums = reinterpret_cast<Anywhere<F>*>(centroids + f);
-    sums[0] = a.x + b.x + c.x, sums[1] = a.y + b.y + c.y, sums[2] = a.z + b.z + c.z;
-    b.x -= a.x, b.y -= a.y, b.z -= a.z, c.x -= a.x, c.y -= a.y, c.z -= a.z;
-    normal.x = b.y * c.z - b.z * c.y, normal.y = b.z * c.x - b.x * c.z, normal.z = b.x * c.y - b.y * c.x;
-    normal.w = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
-    take_root(normal.w);
-    scatter(normal, [&](std::size_t k, const F4& row) { area_normals[f + k] = row; });
-  }
-}
+struct Spoke {
+  F x, y, z, nx, ny, nz, nw;
+};
 
-/// The plane of a triangle whose neighbours cancel out, or that has none: through its own normal, if it has
-/// one.
-Row own_plane(const Row& area_normal, float x, float y, float z) {
-  if (!(area_normal[3] > 0)) return Row{};
-  const Row m = area_normal * (1 / area_normal[3]);
-  return Row{m[0], m[1], m[2], (m[0] * x + m[1] * y + m[2] * z) * (1.0F / 3.0F)};
-}
-
+/// (n, |n|) of the triangle with these two ways from its first corner.
 template <class F>
-BURNISH_INLINE void expect(const std::uint32_t* across, const Row* area_normals, std::size_t begin,
-                           std::size_t end, Row* planes) {
-  for (std::size_t f = begin; f < end; f += kLanesOf<F>) {
-    Columns<F> m;
-    gather_sums<F, 3>(area_normals, across + 3 * f, m);
-    const auto* const sums = reinterpret_cast<const Anywhere<F>*>(planes + f);
-    const F x = sums[0], y = sums[1], z = sums[2];
-    const F size = m.x * m.x + m.y * m.y + m.z * m.z, least = m.w * kVanishing;
-    const auto sound = size > least * least;
-    const F by = 1.0F / m.w;
-    m.x *= by, m.y *= by, m.z *= by;
-    m.w = (m.x * x + m.y * y + m.z * z) * (1.0F / 3.0F);
-    scatter(m, [&](std::size_t k, const F4& row) { planes[f + k] = row; });
-    if (all_of<F>(sound)) [[likely]]
-      continue;
-    for (std::size_t k = 0; k < kLanesOf<F>; ++k) {
-      if (sound[k] == 0) planes[f + k] = own_plane(area_normals[f + k], x[k], y[k], z[k]);
-    }
-  }
+BURNISH_INLINE void area_normal(const F& ax, const F& ay, const F& az, const F& bx, const F& by, const F& bz,
+                                F& x, F& y, F& z, F& size) {
+  x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
+  size = x * x + y * y + z * z;
+  take_root(size);
 }
 
-/// As many vertices as there are lanes; their neighbours and faces one vertex after the other.
+/// As many vertices as there are lanes; their rings one vertex after the other.
 template <class F, std::size_t kValence>
-BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* neighbours,
-                              const std::uint32_t* faces, const Row* planes, float per_squared_scale,
-                              const SimdVec3* from, SimdVec3* to) {
+BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, const std::uint32_t* beyond,
+                              float per_squared_scale, const SimdVec3* from, SimdVec3* to) {
   constexpr float kShare = 1.0F / kValence;
   std::uint32_t places[kLanesOf<F>];
   for (std::size_t k = 0; k < kLanesOf<F>; ++k) places[k] = doubled(vertices[k]);
-  Columns<F> p, u, m;
+  Columns<F> p, r;
   gather(from, places, 1, p);
-  F x{}, y{}, z{};
+
+  // Triangle i lies between spokes i and i + 1, where its normal is; the first spoke comes again as the last.
+  Spoke<F> spokes[kValence + 1];
+  Spoke<F>&first = spokes[0], &last = spokes[kValence];
+  gather(from, ring, kValence, r);
+  F x = r.x - p.x, y = r.y - p.y, z = r.z - p.z;
+  F ux = x, uy = y, uz = z;
+  first.x = last.x = x, first.y = last.y = y, first.z = last.z = z;
 #pragma GCC unroll 1
-  for (std::size_t i = 0; i < kValence; ++i) {
-    gather(planes, faces + i, kValence, m);
-    const F height = m.w - (m.x * p.x + m.y * p.y + m.z * p.z);
-    x += m.x * height, y += m.y * height, z += m.z * height;
+  for (std::size_t i = 1; i < kValence; ++i) {
+    Spoke<F>& spoke = spokes[i];
+    gather(from, ring + i, kValence, r);
+    const F ax = x, ay = y, az = z;
+    x = r.x - p.x, y = r.y - p.y, z = r.z - p.z;
+    spoke.x = x, spoke.y = y, spoke.z = z;
+    ux += x, uy += y, uz += z;
+    area_normal(ax, ay, az, x, y, z, spoke.nx, spoke.ny, spoke.nz, spoke.nw);
   }
-  gather_sums<F, kValence>(from, neighbours, u);
-  u.x = u.x * kShare - p.x, u.y = u.y * kShare - p.y, u.z = u.z * kShare - p.z;
-  F d = (u.x * u.x + u.y * u.y + u.z * u.z) * per_squared_scale;
+  area_normal(x, y, z, last.x, last.y, last.z, last.nx, last.ny, last.nz, last.nw);
+  first.nx = last.nx, first.ny = last.ny, first.nz = last.nz, first.nw = last.nw;
+
+  F vx{}, vy{}, vz{};
+  const auto add_offset = [&](std::size_t i, const Spoke<F>& after) __attribute__((always_inline)) {
+    const Spoke<F>&a = spokes[i], &b = spokes[i + 1];
+    gather(from, beyond + i, kValence, r);
+    const F bx = b.x, by = b.y, bz = b.z;
+    F mx, my, mz, areas;  // the sum of Eq. 1, and that of its weights
+    area_normal<F>(r.x - p.x - a.x, r.y - p.y - a.y, r.z - p.z - a.z, bx - a.x, by - a.y, bz - a.z, mx, my,
+                   mz, areas);
+    mx += a.nx, my += a.ny, mz += a.nz, areas += a.nw;
+    mx += after.nx, my += after.ny, mz += after.nz, areas += after.nw;
+    // [vC . m] m without the third of C; areas of 0 must not make 0 / 0.
+    const F height =
+        (mx * (a.x + bx) + my * (a.y + by) + mz * (a.z + bz)) * (1.0F / (areas * areas + kLeastNormal));
+    vx += mx * height, vy += my * height, vz += mz * height;
+  };
+#pragma GCC unroll 1
+  for (std::size_t i = 0; i + 1 < kValence; ++i) add_offset(i, spokes[i + 2]);
+  add_offset(kValence - 1, spokes[1]);
+
+  ux *= kShare, uy *= kShare, uz *= kShare;
+  F d = (ux * ux + uy * uy + uz * uz) * per_squared_scale;
   d = d < kLogOfMost ? d : F{} + kLogOfMost;
   exponential(d);
-  d *= kShare;
-  p.x += x * d, p.y += y * d, p.z += z * d;
-  scatter(p, [&](std::size_t k, const F4& row) { to[vertices[k]] = SimdVec3(row); });
+  d *= kShare * (1.0F / 3.0F);
+  p.x += vx * d, p.y += vy * d, p.z += vz * d;
+  scatter(p, [&](std::size_t k, const F4& row) {
+    const_cast<SimdVec3&>(at_doubled(to, places[k])) = SimdVec3(row);
+  });
 }
 
 template <class F, std::size_t kValence>
-BURNISH_INLINE void move_group(const ValenceOrder::Group& group, const Row* planes, float per_squared_scale,
+BURNISH_INLINE void move_group(const ValenceOrder::Group& group, float per_squared_scale,
                                const SimdVec3* from, SimdVec3* to) {
   constexpr std::size_t kLanes = kLanesOf<F>;
   const std::size_t count = group.vertices.size();
   const Index* vertices = group.vertices.data();
-  const std::uint32_t *neighbours = group.neighbours.data(), *faces = group.faces.data();
+  const std::uint32_t *neighbours = group.neighbours.data(), *beyond = group.beyond.data();
   std::size_t i = 0;
   for (; i + kLanes <= count; i += kLanes) {
-    move_some<F, kValence>(vertices + i, neighbours + i * kValence, faces + i * kValence, planes,
-                           per_squared_scale, from, to);
+    move_some<F, kValence>(vertices + i, neighbours + i * kValence, beyond + i * kValence, per_squared_scale,
+                           from, to);
   }
   if (i == count) return;
   Index last[kLanes];
-  std::uint32_t last_neighbours[kLanes * kValence], last_faces[kLanes * kValence];
+  std::uint32_t last_neighbours[kLanes * kValence], last_beyond[kLanes * kValence];
   for (std::size_t k = 0; k < kLanes; ++k) {
     const std::size_t at = std::min(i + k, count - 1);  // the last one comes several times
     last[k] = vertices[at];
     std::copy_n(neighbours + at * kValence, kValence, last_neighbours + k * kValence);
-    std::copy_n(faces + at * kValence, kValence, last_faces + k * kValence);
+    std::copy_n(beyond + at * kValence, kValence, last_beyond + k * kValence);
   }
-  move_some<F, kValence>(last, last_neighbours, last_faces, planes, per_squared_scale, from, to);
+  move_some<F, kValence>(last, last_neighbours, last_beyond, per_squared_scale, from, to);
 }
 
 template <class F>
-BURNISH_INLINE void move(const ValenceOrder::Group& group, const Row* planes, float per_squared_scale,
-                         const SimdVec3* from, SimdVec3* to) {
+BURNISH_INLINE void move(const ValenceOrder::Group& group, float per_squared_scale, const SimdVec3* from,
+                         SimdVec3* to) {
 #define BURNISH_VALENCE(k) \
   case k:                  \
-    return move_group<F, k>(group, planes, per_squared_scale, from, to);
+    return move_group<F, k>(group, per_squared_scale, from, to);
   switch (group.valence) {
     BURNISH_VALENCE(3)
     BURNISH_VALENCE(4)
@@ -276,33 +241,14 @@ BURNISH_INLINE void move(const ValenceOrder::Group& group, const Row* planes, fl
 #undef BURNISH_VALENCE
 }
 
-void measure_128(std::span<const std::uint32_t> corners, std::span<const SimdVec3> from, std::size_t begin,
-                 std::size_t end, std::span<Row> area_normals, std::span<Row> planes) {
-  measure<F4>(corners.data(), from.data(), begin, end, area_normals.data(), planes.data());
-}
-void expect_128(std::span<const std::uint32_t> across, std::span<const Row> area_normals, std::size_t begin,
-                std::size_t end, std::span<Row> planes) {
-  expect<F4>(across.data(), area_normals.data(), begin, end, planes.data());
-}
-void move_128(const ValenceOrder::Group& group, std::span<const Row> planes, float per_squared_scale,
-              std::span<const SimdVec3> from, std::span<SimdVec3> to) {
-  move<F4>(group, planes.data(), per_squared_scale, from.data(), to.data());
+void move_128(const ValenceOrder::Group& group, float per_squared_scale, std::span<const SimdVec3> from,
+              std::span<SimdVec3> to) {
+  move<F4>(group, per_squared_scale, from.data(), to.data());
 }
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void measure_256(std::span<const std::uint32_t> corners,
-                                         std::span<const SimdVec3> from, std::size_t begin, std::size_t end,
-                                         std::span<Row> area_normals, std::span<Row> planes) {
-  measure<F8>(corners.data(), from.data(), begin, end, area_normals.data(), planes.data());
-}
-[[gnu::target("avx2")]] void expect_256(std::span<const std::uint32_t> across,
-                                        std::span<const Row> area_normals, std::size_t begin, std::size_t end,
-                                        std::span<Row> planes) {
-  expect<F8>(across.data(), area_normals.data(), begin, end, planes.data());
-}
-[[gnu::target("avx2")]] void move_256(const ValenceOrder::Group& group, std::span<const Row> planes,
-                                      float per_squared_scale, std::span<const SimdVec3> from,
-                                      std::span<SimdVec3> to) {
-  move<F8>(group, planes.data(), per_squared_scale, from.data(), to.data());
+[[gnu::target("avx2")]] void move_256(const ValenceOrder::Group& group, float per_squared_scale,
+                                      std::span<const SimdVec3> from, std::span<SimdVec3> to) {
+  move<F8>(group, per_squared_scale, from.data(), to.data());
 }
 #endif
 
@@ -314,16 +260,16 @@ float exponential_coefficient(float x) {
   return d;
 }
 
-std::vector<Kernels> kernels_here() {
-  std::vector<Kernels> here{{128, measure_128, expect_128, move_128}};
+std::vector<Kernel> kernels_here() {
+  std::vector<Kernel> here{{128, move_128}};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) here.push_back({256, measure_256, expect_256, move_256});
+  if (__builtin_cpu_supports("avx2")) here.push_back({256, move_256});
 #endif
   return here;
 }
 
-const Kernels& kernels() {
-  static const Kernels kWidest = kernels_here().back();
+const Kernel& kernel() {
+  static const Kernel kWidest = kernels_here().back();
   return kWidest;
 }
 

@@ -36,7 +36,7 @@ SparseSystem::SparseSystem(const Surface& surface, std::span<const std::uint8_t>
       options_(options),
       run_(run),
       unknowns_(static_cast<std::size_t>(std::ranges::count(movable, std::uint8_t{1}))),
-      order_(surface.topology, movable, ValenceOrder::With::Neighbours, run),
+      order_(surface.topology, movable, run),
       weights_(surface.topology.vertex_neighbours.items.size()),
       mass_(movable.size()),
       diagonal_(movable.size()),

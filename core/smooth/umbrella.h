@@ -25,7 +25,7 @@ inline SimdVec3 umbrella(std::span<const SimdVec3> positions, const Topology& to
 class UmbrellaStep {
  public:
   UmbrellaStep(const Surface& surface, std::span<const std::uint8_t> movable, const RunControl& run = {})
-      : surface_(surface), order_(surface.topology, movable, ValenceOrder::With::Neighbours, run) {}
+      : surface_(surface), order_(surface.topology, movable, run) {}
 
   /// For the block of vertices that starts at `begin`, as parallel_for hands it out.
   void operator()(float factor, std::span<const SimdVec3> from, std::span<SimdVec3> to,

@@ -24,16 +24,19 @@ class ValenceOrder {
   struct Group {
     std::size_t valence;              ///< neighbours, and triangles, at each of its vertices; or kOther
     std::span<const Index> vertices;  ///< ascending
-    /// Neighbours and triangles of one vertex after the other, `valence` each, as doubled(); empty for
-    /// kOther.
-    std::span<const std::uint32_t> neighbours, faces;
+    /// Neighbours of one vertex after the other, `valence` each, as doubled(); empty for kOther.
+    std::span<const std::uint32_t> neighbours;
+    /// With rings: the neighbours come in the order in which the triangles at the vertex go round it, and
+    /// here is, for each and the next, the third corner of the triangle across the edge between the two; the
+    /// neighbour itself where there is none.
+    std::span<const std::uint32_t> beyond;
   };
 
-  enum class With : std::uint8_t { Neighbours, NeighboursAndFaces };
-
   /// Only movable vertices are in it. When `run` stops it half-way, its groups mean nothing.
-  ValenceOrder(const Topology& topology, std::span<const std::uint8_t> movable, With with = With::Neighbours,
-               const RunControl& run = {});
+  ValenceOrder(const Topology& topology, std::span<const std::uint8_t> movable, const RunControl& run = {});
+  /// With rings.
+  ValenceOrder(std::span<const Triangle> triangles, const Topology& topology,
+               std::span<const std::uint8_t> movable, const RunControl& run = {});
 
   /// Calls visit(group) for the block of vertices that starts at `begin`, as parallel_for hands it out.
   template <class Visit>
@@ -45,15 +48,21 @@ class ValenceOrder {
  private:
   struct Range {
     std::size_t valence, from, to;  ///< vertices
-    std::size_t rows;               ///< where their neighbours and triangles begin
+    std::size_t rows;               ///< where their neighbours begin
   };
   Group group(const Range& range) const;
+  /// Everything but the neighbours; returns how many there will be.
+  std::size_t sort(const Topology& topology, std::span<const std::uint8_t> movable, const RunControl& run);
+  /// Calls body.template operator()<valence>(vertices, row) for every group but kOther's, in parallel, with
+  /// the place of its first neighbour.
+  template <class Body>
+  void for_each_group(const RunControl& run, Body&& body) const;
 
   std::size_t block_size_;  ///< of the loops over vertices
   Buffer<Index> order_;
   std::vector<Range> groups_;
   std::vector<std::size_t> first_group_;  ///< per block, and the end
-  Buffer<std::uint32_t> neighbours_, faces_;
+  Buffer<std::uint32_t> neighbours_, beyond_;
 };
 
 /// A doubled index finds an element of 16 bytes without a shift: processors scale an address by 8 for

@@ -4,14 +4,13 @@
 
 #include <bit>
 #include <cmath>
+#include <map>
 #include <numeric>
-#include <random>
 #include <set>
 
 #include "core/mesh/order.h"
 #include "core/shape/noise.h"
 #include "core/smooth/adaptive_kernels.h"
-#include "core/smooth/adaptive_tiles.h"
 #include "core/smooth/registry.h"
 #include "core/smooth/valence_order.h"
 #include "tests/support/shapes.h"
@@ -116,7 +115,7 @@ TEST(ValenceOrder, VisitsEveryMovableVertexOnceUnderItsValence) {
   const Surface surface = surface_of(with_noise(grid(60), 0.1));
   std::vector<std::uint8_t> movable(surface.mesh.positions.size());
   for (std::size_t v = 0; v < movable.size(); ++v) movable[v] = v % 7 != 0;
-  const ValenceOrder order(surface.topology, movable, ValenceOrder::With::NeighboursAndFaces, {});
+  const ValenceOrder order(surface.topology, movable);
   std::vector<int> visits(movable.size());
   for (std::size_t begin = 0; begin < movable.size(); begin += block_size(movable.size())) {
     order.for_each_group(begin, [&](const ValenceOrder::Group& group) {
@@ -131,7 +130,6 @@ TEST(ValenceOrder, VisitsEveryMovableVertexOnceUnderItsValence) {
           const std::size_t row = static_cast<std::size_t>(&v - group.vertices.data()) * group.valence;
           for (std::size_t k = 0; k < group.valence; ++k) {
             EXPECT_EQ(group.neighbours[row + k], 2 * surface.topology.vertex_neighbours[v][k]);
-            EXPECT_EQ(group.faces[row + k], 2 * surface.topology.vertex_faces[v][k]);
           }
         }
       }
@@ -140,97 +138,83 @@ TEST(ValenceOrder, VisitsEveryMovableVertexOnceUnderItsValence) {
   for (std::size_t v = 0; v < movable.size(); ++v) EXPECT_EQ(visits[v], movable[v]);
 }
 
-using adaptive_kernels::kTrianglesAtOnce;
-using adaptive_kernels::Row;
+TEST(ValenceOrder, RingsGoRoundAndKnowWhatLiesBeyond) {
+  Shape shape = with_noise(grid(70), 0.1);  // three blocks
+  for (std::size_t t = 0; t < shape.triangles.size(); t += 3)
+    std::swap(shape.triangles[t][0], shape.triangles[t][1]);
+  shape.triangles.erase(shape.triangles.begin() + 3000, shape.triangles.begin() + 3005);  // a hole
+  const Surface surface = surface_of(shape);
+  std::map<std::set<Index>, std::set<Index>> thirds;  // of the triangles at each edge
+  std::set<std::set<Index>> triangles;
+  for (const auto& [a, b, c] : surface.mesh.triangles) {
+    triangles.insert({a, b, c});
+    thirds[{a, b}].insert(c), thirds[{b, c}].insert(a), thirds[{c, a}].insert(b);
+  }
+  const std::vector<std::uint8_t> movable(surface.mesh.positions.size(), 1);
+  std::size_t rows = 0, open = 0;
+  for (const unsigned threads : {1U, 2U}) {
+    const ValenceOrder order(surface.mesh.triangles, surface.topology, movable, {.threads = threads});
+    for (std::size_t begin = 0; begin < movable.size(); begin += block_size(movable.size())) {
+      order.for_each_group(begin, [&](const ValenceOrder::Group& group) {
+        if (group.valence == ValenceOrder::kOther) return;
+        ASSERT_EQ(group.neighbours.size(), group.vertices.size() * group.valence);
+        ASSERT_EQ(group.beyond.size(), group.neighbours.size());
+        for (std::size_t i = 0; i < group.vertices.size(); ++i, ++rows) {
+          const Index v = group.vertices[i];
+          const auto ring = group.neighbours.subspan(i * group.valence, group.valence);
+          EXPECT_EQ(std::set<Index>(ring.begin(), ring.end()).size(),
+                    surface.topology.vertex_faces[v].size());
+          for (std::size_t k = 0; k < group.valence; ++k) {
+            const Index a = ring[k] / 2, b = ring[(k + 1) % group.valence] / 2;
+            EXPECT_TRUE(triangles.contains({v, a, b})) << v << ": " << a << ", " << b;
+            std::set<Index> other = thirds[{a, b}];
+            other.erase(v);
+            EXPECT_EQ(group.beyond[i * group.valence + k], 2 * (other.empty() ? a : *other.begin()));
+            open += other.empty();
+          }
+        }
+      });
+    }
+  }
+  EXPECT_GT(rows, 9000U);
+  EXPECT_GT(open, 100U);
+}
 
-bool same_bits(const Row& a, const Row& b) {
+bool same_bits(const SimdVec3::Lanes& a, const SimdVec3::Lanes& b) {
   for (int k = 0; k < 4; ++k) {
     if (std::bit_cast<std::uint32_t>(a[k]) != std::bit_cast<std::uint32_t>(b[k])) return false;
   }
   return true;
 }
 
-TEST(AdaptiveTiles, HoldTheTrianglesAtEachVertexAndThoseAcrossTheirSides) {
-  const Surface surface = surface_of(with_noise(grid(70), 0.1));  // three blocks, with a boundary
-  const auto& triangles = surface.mesh.triangles;
-  std::vector<std::uint8_t> movable(surface.mesh.positions.size(), 1);
-  const ValenceOrder order(surface.topology, movable);
-  for (const unsigned threads : {1U, 2U}) {
-    const AdaptiveTiles tiles(triangles, surface.topology, order, {.threads = threads});
-    for (std::size_t begin = 0; begin < movable.size(); begin += block_size(movable.size())) {
-      const AdaptiveTiles::Tile& tile = tiles[begin];
-      EXPECT_EQ(tile.triangles() % kTrianglesAtOnce, 0);
-      EXPECT_EQ(tile.expected() % kTrianglesAtOnce, 0);
-      const auto corners_of = [&](std::uint32_t row) {
-        const auto* const c = &tile.corners[3 * row / 2];
-        return Triangle{c[0] / 2, c[1] / 2, c[2] / 2};
-      };
-      std::size_t at = 0;
-      order.for_each_group(begin, [&](const ValenceOrder::Group& group) {
-        for (const Index v : group.vertices) {
-          for (const Index f : surface.topology.vertex_faces[v]) {
-            const std::uint32_t row = tile.faces[at++];
-            ASSERT_LT(row / 2, tile.expected());
-            EXPECT_EQ(corners_of(row), triangles[f]);
-            for (std::size_t side = 0; side < 3; ++side) {
-              const Index across = surface.topology.face_neighbours[f][side];
-              const std::uint32_t other = tile.across[3 * row / 2 + side];
-              if (across == kNone) {
-                EXPECT_EQ(other / 2, tile.none());
-              } else {
-                EXPECT_EQ(corners_of(other), triangles[across]);
-              }
-            }
-          }
-        }
-      });
-      EXPECT_EQ(at, tile.faces.size());
-    }
-  }
-}
-
 TEST(AdaptiveKernels, GiveTheSameBitsWhateverTheWidthOfVectors) {
   const auto all = adaptive_kernels::kernels_here();
-  const auto& narrow = all.front();
   const Surface surface = surface_of(with_noise(sphere(3), 0.03));
-  const std::vector<SimdVec3> from(surface.mesh.positions.begin(), surface.mesh.positions.end());
-  const std::size_t faces = surface.mesh.triangles.size();
-  ASSERT_EQ(faces % kTrianglesAtOnce, 0);
-  std::mt19937 random(5);
-  std::vector<std::uint32_t> corners, across;
-  for (std::size_t f = 0; f < faces; ++f) {
-    for (const Index corner : surface.mesh.triangles[f]) {
-      corners.push_back(doubled(f % 7 == 0 ? surface.mesh.triangles[f][0] : corner));  // some have no area
-      across.push_back(
-          doubled(static_cast<Index>(f % 5 == 0 ? faces : random() % faces)));  // or no neighbour
-    }
+  std::vector<SimdVec3> from(surface.mesh.positions.begin(), surface.mesh.positions.end());
+  for (Index v = 0; v < from.size(); v += 9)
+    from[surface.topology.vertex_neighbours[v].front()] = from[v];  // some triangles have no area
+  const Index flat = 400;                                           // nor has any at this one
+  for (const Index w : surface.topology.vertex_neighbours[flat]) {
+    for (const Index x : surface.topology.vertex_neighbours[w]) from[x] = from[flat];
   }
-  for (const std::size_t count : {std::size_t{1}, std::size_t{3}, std::size_t{4}, std::size_t{7}, faces}) {
-    const std::size_t end = (count + kTrianglesAtOnce - 1) / kTrianglesAtOnce * kTrianglesAtOnce;
-    std::vector<Row> expected(faces), normals(faces + 1);
-    narrow.measure(corners, from, 0, faces, normals, expected);
-    narrow.expect(across, normals, 0, end, expected);
-    const std::vector<std::uint8_t> movable(from.size(), 1);
-    const ValenceOrder order(surface.topology, movable, ValenceOrder::With::NeighboursAndFaces, {});
-    for (const auto& wide : all) {
-      std::vector<Row> planes(faces), wide_normals(faces + 1);
-      wide.measure(corners, from, 0, faces, wide_normals, planes);
-      wide.expect(across, wide_normals, 0, end, planes);
-      for (std::size_t f = 0; f < end; ++f) {
-        ASSERT_TRUE(same_bits(wide_normals[f], normals[f])) << f << ", " << wide.bits << " bits";
-        ASSERT_TRUE(same_bits(planes[f], expected[f])) << f << " of " << end << ", " << wide.bits << " bits";
-      }
-      order.for_each_group(0, [&](const ValenceOrder::Group& group) {
-        ValenceOrder::Group part = group;
-        part.vertices = group.vertices.first(std::min(count, group.vertices.size()));
-        std::vector<SimdVec3> here = from, there = from;
-        narrow.move(part, expected, 900, from, here);
-        wide.move(part, expected, 900, from, there);
+  const std::vector<std::uint8_t> movable(from.size(), 1);
+  const ValenceOrder order(surface.mesh.triangles, surface.topology, movable);
+  for (const std::size_t count :
+       {std::size_t{1}, std::size_t{3}, std::size_t{4}, std::size_t{7}, from.size()}) {
+    order.for_each_group(0, [&](const ValenceOrder::Group& group) {
+      ValenceOrder::Group part = group;
+      part.vertices = group.vertices.first(std::min(count, group.vertices.size()));
+      std::vector<SimdVec3> expected = from;
+      all.front().move(part, 900, from, expected);
+      for (const Index v : part.vertices) EXPECT_TRUE(std::isfinite(length(expected[v]))) << v;
+      for (const auto& wide : all) {
+        std::vector<SimdVec3> to = from;
+        wide.move(part, 900, from, to);
         for (std::size_t v = 0; v < from.size(); ++v) {
-          ASSERT_TRUE(same_bits(here[v].lanes(), there[v].lanes())) << v << ", " << wide.bits << " bits";
+          ASSERT_TRUE(same_bits(to[v].lanes(), expected[v].lanes())) << v << ", " << wide.bits << " bits";
         }
-      });
-    }
+      }
+    });
   }
 }
 
