@@ -52,7 +52,11 @@ class Adaptive {
            for_each(planes_.size(), run_, [&](std::size_t f) { planes_[f] = plane(from, f, known); });
   }
 
-  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin) const {
+  void move(std::span<const SimdVec3> from, std::span<SimdVec3> to, std::size_t begin,
+            std::size_t end) const {
+    if (pays_to_fetch_ahead(from.size())) {
+      for (std::size_t v = begin; v < end; v += 4) fetch_ahead(from, to, v);
+    }
     order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
       if (plain_ && group.valence != ValenceOrder::kOther) {
         kernel_.move(group, static_cast<float>(per_squared_scale_), from, to);
@@ -182,10 +186,10 @@ Result<SmoothOutcome> smooth_adaptive(Surface& surface, const AdaptiveParams& pa
                                       const IterationOptions& options, const RunControl& run) {
   const Constraints constraints(surface, options.constraints, run);
   Adaptive adaptive(surface, params, constraints.movable(), run);
-  return iterate(
-      surface, constraints, options, run,
-      {.prepare = [&](auto from) { return adaptive.prepare(from); },
-       .move = [&](auto from, auto to, std::size_t begin, std::size_t) { adaptive.move(from, to, begin); }});
+  return iterate(surface, constraints, options, run,
+                 {.prepare = [&](auto from) { return adaptive.prepare(from); },
+                  .move = [&](auto from, auto to, std::size_t begin,
+                              std::size_t end) { adaptive.move(from, to, begin, end); }});
 }
 
 Method adaptive_method() {
