@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
+#include <utility>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -23,6 +24,7 @@ template <std::size_t kLanes>
 using Floats = typename Vector<kLanes>::Type;
 using F4 = Floats<4>;
 using F8 = Floats<8>;
+using F16 = Floats<16>;
 
 template <class F>
 inline constexpr std::size_t kLanesOf = sizeof(F) / sizeof(float);
@@ -31,10 +33,19 @@ template <class F>
 inline constexpr std::size_t kRowsIn = kLanesOf<F> / 4;
 
 BURNISH_INLINE void join(F4& to, const F4 (&rows)[1]) { to = rows[0]; }
+// Widened before they are put together: GCC goes by way of the memory otherwise.
 BURNISH_INLINE void join(F8& to, const F4 (&rows)[2]) {
   const F8 low = __builtin_shufflevector(rows[0], rows[0], 0, 1, 2, 3, -1, -1, -1, -1);
   const F8 high = __builtin_shufflevector(rows[1], rows[1], 0, 1, 2, 3, -1, -1, -1, -1);
   to = __builtin_shufflevector(low, high, 0, 1, 2, 3, 8, 9, 10, 11);
+}
+BURNISH_INLINE void join(F16& to, const F4 (&rows)[4]) {
+  F8 one, two;
+  join(one, {rows[0], rows[1]});
+  join(two, {rows[2], rows[3]});
+  const F16 low = __builtin_shufflevector(one, one, 0, 1, 2, 3, 4, 5, 6, 7, -1, -1, -1, -1, -1, -1, -1, -1);
+  const F16 high = __builtin_shufflevector(two, two, 0, 1, 2, 3, 4, 5, 6, 7, -1, -1, -1, -1, -1, -1, -1, -1);
+  to = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23);
 }
 template <class F>
 BURNISH_INLINE void split(const F& from, F4 (&rows)[kRowsIn<F>]) {
@@ -42,27 +53,33 @@ BURNISH_INLINE void split(const F& from, F4 (&rows)[kRowsIn<F>]) {
   for (std::size_t r = 0; r < kRowsIn<F>; ++r) rows[r] = reinterpret_cast<const Half*>(&from)[r];
 }
 
+template <class F>
+BURNISH_INLINE void take_root(F& a) {
+  for (std::size_t k = 0; k < kLanesOf<F>; ++k) a[k] = std::sqrt(a[k]);
+}
 #if defined(__x86_64__)
 BURNISH_INLINE void take_root(F4& a) { a = _mm_sqrt_ps(a); }
-// GCC takes no intrinsic of AVX into a function that is not compiled for it, as the templates below; in
-// halves the roots cost a twentieth of the whole.
+#if !defined(__clang__)
+// GCC takes no intrinsic of AVX into a function that is not compiled for it, as these templates are; in
+// quarters the roots cost a twentieth of the whole.
 BURNISH_INLINE void take_root(F8& a) { asm("vsqrtps %1, %0" : "=x"(a) : "x"(a)); }
-#else
-BURNISH_INLINE void take_root(F4& a) {
-  a = F4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
-}
+BURNISH_INLINE void take_root(F16& a) { asm("vsqrtps %1, %0" : "=v"(a) : "v"(a)); }
+#endif
 #endif
 
-/// Lanes k1 to k4 of each row, in which 4 and more count the lanes of the other vector's row.
 template <int k1, int k2, int k3, int k4>
-BURNISH_INLINE void pick(const F4& a, const F4& b, F4& to) {
-  to = __builtin_shufflevector(a, b, k1, k2, k3, k4);
+constexpr int picked_lane(int lane, int lanes) {
+  constexpr int kPicked[] = {k1, k2, k3, k4};
+  const int k = kPicked[lane % 4], row = lane / 4 * 4;
+  return k < 4 ? row + k : lanes + row + k - 4;
 }
-template <int k1, int k2, int k3, int k4>
-BURNISH_INLINE void pick(const F8& a, const F8& b, F8& to) {
-  constexpr auto at = [](int k, int row) { return k < 4 ? k + 4 * row : 8 + k - 4 + 4 * row; };
-  to = __builtin_shufflevector(a, b, at(k1, 0), at(k2, 0), at(k3, 0), at(k4, 0), at(k1, 1), at(k2, 1),
-                               at(k3, 1), at(k4, 1));
+/// Lanes k1 to k4 of each row, in which 4 and more count the lanes of the other vector's row.
+template <int k1, int k2, int k3, int k4, class F>
+BURNISH_INLINE void pick(const F& a, const F& b, F& to) {
+  [&]<int... kLane>(std::integer_sequence<int, kLane...>) __attribute__((always_inline)) {
+    to = __builtin_shufflevector(a, b, picked_lane<k1, k2, k3, k4>(kLane, kLanesOf<F>)...);
+  }
+  (std::make_integer_sequence<int, kLanesOf<F>>{});
 }
 /// Columns of four lanes to rows, or back.
 template <class F>
@@ -197,22 +214,26 @@ BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, 
 }
 
 template <class F, std::size_t kValence>
-BURNISH_INLINE void move_group(const ValenceOrder::Group& group, float per_squared_scale,
-                               const SimdVec3* from, SimdVec3* to) {
+BURNISH_INLINE void move_group(const Index* vertices, std::size_t count, const std::uint32_t* neighbours,
+                               const std::uint32_t* beyond, float per_squared_scale, const SimdVec3* from,
+                               SimdVec3* to) {
   constexpr std::size_t kLanes = kLanesOf<F>;
-  const std::size_t count = group.vertices.size();
-  const Index* vertices = group.vertices.data();
-  const std::uint32_t *neighbours = group.neighbours.data(), *beyond = group.beyond.data();
-  std::size_t i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    move_some<F, kValence>(vertices + i, neighbours + i * kValence, beyond + i * kValence, per_squared_scale,
-                           from, to);
+  for (; count >= kLanes; count -= kLanes, vertices += kLanes) {
+    move_some<F, kValence>(vertices, neighbours, beyond, per_squared_scale, from, to);
+    neighbours += kLanes * kValence, beyond += kLanes * kValence;
   }
-  if (i == count) return;
+  if (count == 0) return;
+  if constexpr (kLanes > 4) {
+    if (count <= kLanes / 2) {  // lanes that do the same twice cost as much
+      move_group<Floats<kLanes / 2>, kValence>(vertices, count, neighbours, beyond, per_squared_scale, from,
+                                               to);
+      return;
+    }
+  }
   Index last[kLanes];
   std::uint32_t last_neighbours[kLanes * kValence], last_beyond[kLanes * kValence];
   for (std::size_t k = 0; k < kLanes; ++k) {
-    const std::size_t at = std::min(i + k, count - 1);  // the last one comes several times
+    const std::size_t at = std::min(k, count - 1);  // the last one comes several times
     last[k] = vertices[at];
     std::copy_n(neighbours + at * kValence, kValence, last_neighbours + k * kValence);
     std::copy_n(beyond + at * kValence, kValence, last_beyond + k * kValence);
@@ -223,9 +244,10 @@ BURNISH_INLINE void move_group(const ValenceOrder::Group& group, float per_squar
 template <class F>
 BURNISH_INLINE void move(const ValenceOrder::Group& group, float per_squared_scale, const SimdVec3* from,
                          SimdVec3* to) {
-#define BURNISH_VALENCE(k) \
-  case k:                  \
-    return move_group<F, k>(group, per_squared_scale, from, to);
+#define BURNISH_VALENCE(k)                                                                         \
+  case k:                                                                                          \
+    return move_group<F, k>(group.vertices.data(), group.vertices.size(), group.neighbours.data(), \
+                            group.beyond.data(), per_squared_scale, from, to);
   switch (group.valence) {
     BURNISH_VALENCE(3)
     BURNISH_VALENCE(4)
@@ -250,6 +272,12 @@ void move_128(const ValenceOrder::Group& group, float per_squared_scale, std::sp
                                       std::span<const SimdVec3> from, std::span<SimdVec3> to) {
   move<F8>(group, per_squared_scale, from.data(), to.data());
 }
+[[gnu::target("avx512f,avx512dq,avx512vl")]] void move_512(const ValenceOrder::Group& group,
+                                                           float per_squared_scale,
+                                                           std::span<const SimdVec3> from,
+                                                           std::span<SimdVec3> to) {
+  move<F16>(group, per_squared_scale, from.data(), to.data());
+}
 #endif
 
 }  // namespace
@@ -264,6 +292,10 @@ std::vector<Kernel> kernels_here() {
   std::vector<Kernel> here{{128, move_128}};
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) here.push_back({256, move_256});
+  // From Ice Lake and Zen 4 on: before them vectors of 512 bits slow the clock.
+  const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                    __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi2");
+  if (wide) here.push_back({512, move_512});
 #endif
   return here;
 }
