@@ -284,32 +284,42 @@ bool mark_opposed(std::span<const Triangle> triangles, const RunControl& run, To
   });
 }
 
-/// Follows each vertex down its smallest neighbours to a root, then joins the trees that an edge connects:
-/// most meshes have few roots, and when one tree is left the rest of the edges need no look.
-std::uint32_t count_components(const Topology& topology, const RunControl& run) {
+/// Follows each vertex down its smallest neighbours to a root, then joins the trees that meet: first around
+/// the roots, which leaves one or a few, then wherever a triangle connects two. When one is left the rest
+/// needs no look.
+std::uint32_t count_components(std::span<const Triangle> triangles, const Topology& topology,
+                               const RunControl& run) {
   const std::size_t vertices = topology.vertex_flags.size();
-  std::vector<Index> parent(vertices);
-  std::uint32_t trees = 0;
+  std::vector<Index> parent(vertices), roots;
   for_each(vertices, run.on_one_thread(), [&](std::size_t v) {
     const auto row = topology.vertex_neighbours[v];
     const bool root = row.empty() || row.front() > v;
     parent[v] = root ? static_cast<Index>(v) : parent[row.front()];
-    trees += root && !row.empty();
+    if (root && !row.empty()) roots.push_back(static_cast<Index>(v));
   });
+  auto trees = static_cast<std::uint32_t>(roots.size());
   const auto root_of = [&](Index v) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
   };
-  for (Index v = 0; v < vertices && trees > 1; ++v) {
-    if (v % kBlockSize == 0 && run.stopped()) break;
-    for (const Index w : topology.vertex_neighbours[v]) {
-      if (w > v) break;
-      if (parent[v] == parent[w]) continue;
-      const Index one = root_of(v), two = root_of(w);
-      if (one == two) continue;
-      parent[std::max(one, two)] = std::min(one, two);
-      --trees;
-    }
+  const auto join = [&](Index a, Index b) {
+    if (parent[a] == parent[b]) return;
+    const Index one = root_of(a), two = root_of(b);
+    if (one == two) return;
+    parent[std::max(one, two)] = std::min(one, two);
+    --trees;
+  };
+  for (std::size_t i = 0; i < roots.size() && trees > 1; ++i) {
+    if (i % kBlockSize == 0 && run.stopped()) break;
+    for (const Index w : topology.vertex_neighbours[roots[i]]) join(roots[i], w);
+  }
+  if (trees < 2) return trees;
+  for_each(vertices, run.on_one_thread(), [&](std::size_t v) { parent[v] = root_of(static_cast<Index>(v)); });
+  for (std::size_t t = 0; t < triangles.size() && trees > 1; ++t) {
+    if (t % kBlockSize == 0 && run.stopped()) break;
+    const auto& [a, b, c] = triangles[t];
+    join(a, b);
+    join(b, c);
   }
   return trees;
 }
@@ -326,7 +336,7 @@ Result<Topology> build_topology(std::size_t vertices, std::span<const Triangle> 
       (topology.opposed_edges > 0 && !mark_opposed(triangles, run, topology))) {
     return run.stop_error();
   }
-  topology.components = count_components(topology, run);
+  topology.components = count_components(triangles, topology, run);
   if (run.stopped()) return run.stop_error();
   return topology;
 }

@@ -5,7 +5,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -22,10 +21,6 @@ namespace burnish::bench {
 namespace {
 
 using testing::Shape;
-
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 Shape load(const char* path) {
   const std::string text = testing::read_file(path);

@@ -2,6 +2,7 @@
 // time. Each is in a file of its own, because their headers take long to compile.
 #pragma once
 
+#include <chrono>
 #include <ctime>
 #include <span>
 
@@ -13,6 +14,10 @@ inline double thread_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+inline double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 inline constexpr int kCompareIterations = 20;

@@ -1,7 +1,8 @@
-// Files beside public libraries, those of them that are installed, in one process on one thread.
+// Files beside public libraries, those of them that are installed, in one process.
 //   io_compare MESH.obj [BURNISH]
-// Prints milliseconds of CPU time, the least of a few runs, to read the file with its topology and to write
-// the smoothed mesh, and how often ours fits; then file to file with 20 smoothing steps. BURNISH, the command
+// Prints milliseconds, the least of a few runs, to read the file with its topology and to write the smoothed
+// mesh: ours on one thread and on all cores (the libraries have one), and how often each fits into theirs;
+// then file to file with 20 smoothing steps. BURNISH, the command
 // line program, is timed from its start to its end, with all cores, report included; the libraries are
 // single-threaded, so their CPU time is what a program around them takes at least.
 #include "tests/bench/io_compare.h"
@@ -29,29 +30,33 @@ std::string whole_file(const std::string& path) {
   return text;
 }
 
-FileSeconds our_file(const std::string& in, const std::string& out) {
+FileSeconds our_file(const std::string& in, const std::string& out, unsigned threads) {
   const Limits limits{.max_bytes = ~std::uint64_t{0}};
+  const RunControl run{.threads = threads};
   FileSeconds seconds;
-  StageClock clock;
+  StageClock clock(threads == 1 ? thread_seconds : wall_seconds);
   const std::string text = whole_file(in);
-  const auto document = decode(text, Format::Obj, limits, {});
+  const auto document = decode(text, Format::Obj, limits, run);
   if (!document) {
     std::fprintf(stderr, "%s: %s\n", in.c_str(), document.error().message.c_str());
     std::exit(2);
   }
-  auto surface = std::move(*prepare_surface((*document)->positions(), (*document)->triangles(), {}));
+  auto surface = std::move(*prepare_surface((*document)->positions(), (*document)->triangles(), run));
   seconds.read = clock.lap();
   const auto before = surface.mesh.positions;
-  if (!smooth_taubin(surface, {}, {.iterations = kCompareIterations}, {})) std::abort();
+  if (!smooth_taubin(surface, {}, {.iterations = kCompareIterations}, run)) std::abort();
   seconds.smooth = clock.lap();
   const MovedPositions moved{(*document)->positions(), surface.weld, before, surface.mesh.positions,
                              surface.mesh.frame};
-  const auto written = encode(**document, moved, {}, {});
+  const auto written = encode(**document, moved, {}, run);
   std::ofstream(out, std::ios::binary)
       .write(written->bytes.data(), static_cast<std::streamsize>(written->bytes.size()));
   seconds.write = clock.lap();
   return seconds;
 }
+
+FileSeconds on_one_thread(const std::string& in, const std::string& out) { return our_file(in, out, 1); }
+FileSeconds on_all_cores(const std::string& in, const std::string& out) { return our_file(in, out, 0); }
 
 FileSeconds least(FileSeconds (*run)(const std::string&, const std::string&), const std::string& in,
                   const std::string& out) {
@@ -78,19 +83,21 @@ double program_seconds(const std::string& program, const std::string& in, const 
 
 void compare(const std::string& in, const char* program) {
   const std::string out = (std::filesystem::temp_directory_path() / "burnish_io_compare.obj").string();
-  const FileSeconds ours = least(our_file, in, out);
+  const FileSeconds one = least(on_one_thread, in, out), all = least(on_all_cores, in, out);
   const double whole = program != nullptr ? program_seconds(program, in, out) : 0;
   const auto row = [&](const char* name, const FileSeconds& theirs, bool smooths) {
-    std::printf("%-10s read %8.2f ms (%5.2f x ours)   write %8.2f ms (%5.2f x ours)", name, theirs.read * 1e3,
-                theirs.read / ours.read, theirs.write * 1e3, theirs.write / ours.write);
+    std::printf("%-16s read %8.2f ms (%5.2f x one thread, %5.2f x all)   write %8.2f ms (%5.2f x, %5.2f x)",
+                name, theirs.read * 1e3, theirs.read / one.read, theirs.read / all.read, theirs.write * 1e3,
+                theirs.write / one.write, theirs.write / all.write);
     if (smooths && whole > 0) {
       const double sum = theirs.read + theirs.smooth + theirs.write;
       std::printf("   file to file %8.0f ms (%5.2f x burnish)", sum * 1e3, sum / whole);
     }
     std::printf("\n");
   };
-  row("ours", ours, false);
-  if (whole > 0) std::printf("%-10s file to file %.0f ms\n", "burnish", whole * 1e3);
+  row("ours, one thread", one, false);
+  row("ours, all cores", all, false);
+  if (whole > 0) std::printf("%-16s file to file %.0f ms\n", "burnish", whole * 1e3);
 #ifdef BURNISH_HAS_OPENMESH
   row("OpenMesh", least(openmesh_file, in, out), true);
 #endif
