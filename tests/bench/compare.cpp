@@ -108,10 +108,12 @@ void compare(const Shape& shape) {
   row("adaptive", adaptive);
   std::printf("  adaptive in all: %.2f ms\n", adaptive * 1e3);
   row("Eigen sparse product", least(runs, [&] { return eigen_product_seconds(given, noisy.triangles); }));
-  row("OpenMesh Jacobi Laplace",
-      least(std::min(runs, 3), [&] { return openmesh_seconds(given, noisy.triangles); }));
-  row("OpenMesh, assertions on",
-      least(std::min(runs, 3), [&] { return openmesh_asserting_seconds(given, noisy.triangles); }));
+  const auto least_few = [&](auto seconds, int order) {
+    return least(std::min(runs, 3), [&] { return seconds(given, noisy.triangles, order); });
+  };
+  row("OpenMesh Jacobi Laplace, C0", least_few(openmesh_seconds, 1));
+  row("C1", least_few(openmesh_seconds, 2));
+  row("C0, assertions on", least_few(openmesh_asserting_seconds, 1));
 
   const std::pair<const char*, double> alone[] = {
       {"laplacian", laplacian}, {"taubin", taubin}, {"adaptive", adaptive}};

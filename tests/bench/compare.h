@@ -24,11 +24,13 @@ inline constexpr int kCompareIterations = 20;
 
 /// The libigl way: a row-normalised Eigen::SparseMatrix<double, RowMajor> times an n x 3 matrix of double.
 double eigen_product_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
-/// OpenMesh::Smoother::JacobiLaplaceSmootherT, tangential and normal, C0.
-double openmesh_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+/// OpenMesh::Smoother::JacobiLaplaceSmootherT, tangential and normal; of order 1 (C0), the step of our
+/// laplacian, or 2 (C1).
+double openmesh_seconds(std::span<const Vec3f> positions, std::span<const Triangle> triangles, int order);
 /// The same with OpenMesh's assertions, as programs that do not define NDEBUG get it. In a library that hides
 /// its symbols, or the linker would take one of the two for both.
 [[gnu::visibility("default")]] double openmesh_asserting_seconds(std::span<const Vec3f> positions,
-                                                                 std::span<const Triangle> triangles);
+                                                                 std::span<const Triangle> triangles,
+                                                                 int order);
 
 }  // namespace burnish::bench
