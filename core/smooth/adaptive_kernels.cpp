@@ -185,6 +185,8 @@ BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, 
 
   F vx{}, vy{}, vz{};
   const auto add_offset = [&](std::size_t i, const Spoke<F>& after) __attribute__((always_inline)) {
+    // Or GCC keeps what one step leaves for the next, for which 16 registers are too few.
+    asm("" : "+m"(spokes));
     const Spoke<F>&a = spokes[i], &b = spokes[i + 1];
     gather(from, beyond + i, kValence, r);
     const F bx = b.x, by = b.y, bz = b.z;

@@ -219,7 +219,8 @@ TEST(AdaptiveKernels, GiveTheSameBitsWhateverTheWidthOfVectors) {
 }
 
 TEST(AdaptiveKernels, CoefficientIsTheBoundedExponential) {
-  for (float x = 0; x < 2; x += 0.0007F) {
+  for (int i = 0; i < 2900; ++i) {
+    const float x = static_cast<float>(i) * 0.0007F;
     const double expected = std::min(1.5, std::exp(static_cast<double>(x)));
     EXPECT_NEAR(adaptive_kernels::exponential_coefficient(x), expected, 2e-7);
   }
