@@ -104,7 +104,6 @@ BURNISH_INLINE void exponential(F& x) {
   x = low + square * square * high;
 }
 constexpr float kLogOfMost = 0.405465108F;
-constexpr float kLeastNormal = FLT_MIN;
 
 template <class F>
 struct Columns {
@@ -163,7 +162,8 @@ BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, 
   Columns<F> p, r;
   gather(from, places, 1, p);
 
-  // Triangle i lies between spokes i and i + 1, where its normal is; the first spoke comes again as the last.
+  // Triangle i lies between spokes i and i + 1, its normal is with the latter; the first comes again as the
+  // last.
   Spoke<F> spokes[kValence + 1];
   Spoke<F>&first = spokes[0], &last = spokes[kValence];
   gather(from, ring, kValence, r);
@@ -197,7 +197,7 @@ BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, 
     mx += after.nx, my += after.ny, mz += after.nz, areas += after.nw;
     // [vC . m] m without the third of C; areas of 0 must not make 0 / 0.
     const F height =
-        (mx * (a.x + bx) + my * (a.y + by) + mz * (a.z + bz)) * (1.0F / (areas * areas + kLeastNormal));
+        (mx * (a.x + bx) + my * (a.y + by) + mz * (a.z + bz)) * (1.0F / (areas * areas + FLT_MIN));
     vx += mx * height, vy += my * height, vz += mz * height;
   };
 #pragma GCC unroll 1
@@ -210,9 +210,7 @@ BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, 
   exponential(d);
   d *= kShare * (1.0F / 3.0F);
   p.x += vx * d, p.y += vy * d, p.z += vz * d;
-  scatter(p, [&](std::size_t k, const F4& row) {
-    const_cast<SimdVec3&>(at_doubled(to, places[k])) = SimdVec3(row);
-  });
+  scatter(p, [&](std::size_t k, const F4& row) { at_doubled(to, places[k]) = SimdVec3(row); });
 }
 
 template <class F, std::size_t kValence>

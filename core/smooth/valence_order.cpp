@@ -45,7 +45,7 @@ ValenceOrder::ValenceOrder(const Topology& topology, std::span<const std::uint8_
     : block_size_(block_size(movable.size())), order_(movable.size()) {
   neighbours_.resize(sort(topology, movable, run));
   const IndexRows& from = topology.vertex_neighbours;
-  for_each_group(run, [&]<std::size_t kValence>(std::span<const Index> vertices, std::size_t row) {
+  fill_rows(run, [&]<std::size_t kValence>(std::span<const Index> vertices, std::size_t row) {
     for (const Index v : vertices) {
       const Index* const items = from.items.data() + from.offsets[v];
       for (std::size_t k = 0; k < kValence; ++k) neighbours_[row++] = doubled(items[k]);
@@ -58,7 +58,7 @@ ValenceOrder::ValenceOrder(std::span<const Triangle> triangles, const Topology& 
     : block_size_(block_size(movable.size())), order_(movable.size()) {
   neighbours_.resize(sort(topology, movable, run));
   beyond_.resize(neighbours_.size());
-  for_each_group(run, [&]<std::size_t kValence>(std::span<const Index> vertices, std::size_t row) {
+  fill_rows(run, [&]<std::size_t kValence>(std::span<const Index> vertices, std::size_t row) {
     constexpr std::size_t kAtOnce = 4;
     std::size_t i = 0;
     const auto walk = [&]<std::size_t kCount>() {
@@ -106,14 +106,14 @@ std::size_t ValenceOrder::sort(const Topology& topology, std::span<const std::ui
   return run.stopped() ? 0 : rows;
 }
 
-template <class Body>
-void ValenceOrder::for_each_group(const RunControl& run, Body&& body) const {
+template <class Fill>
+void ValenceOrder::fill_rows(const RunControl& run, Fill&& fill) const {
   parallel_for(order_.size(), run, [&](std::size_t begin, std::size_t) {
     const std::size_t block = begin / block_size_;
     for (std::size_t g = first_group_[block]; g < first_group_[block + 1]; ++g) {
       const Range& range = groups_[g];
       with_constant_valence(range.valence, [&]<std::size_t kValence>() {
-        body.template operator()<kValence>(group(range).vertices, range.rows);
+        fill.template operator()<kValence>(group(range).vertices, range.rows);
       });
     }
   });

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/mesh/simd_vec3.h"
@@ -18,7 +19,8 @@ class ValenceOrder {
  public:
   /// Smallest and largest valence with a group of its own.
   static constexpr std::size_t kLeast = 3, kMost = 10;
-  /// "Valence" of the group that holds all others: on a boundary, or with fewer or more neighbours.
+  /// "Valence" of the group that holds all others: on the rim of a surface or where several meet, or with
+  /// fewer or more neighbours.
   static constexpr std::size_t kOther = 0;
 
   struct Group {
@@ -53,10 +55,10 @@ class ValenceOrder {
   Group group(const Range& range) const;
   /// Everything but the neighbours; returns how many there will be.
   std::size_t sort(const Topology& topology, std::span<const std::uint8_t> movable, const RunControl& run);
-  /// Calls body.template operator()<valence>(vertices, row) for every group but kOther's, in parallel, with
+  /// Calls fill.template operator()<valence>(vertices, row) for every group but kOther's, in parallel, with
   /// the place of its first neighbour.
-  template <class Body>
-  void for_each_group(const RunControl& run, Body&& body) const;
+  template <class Fill>
+  void fill_rows(const RunControl& run, Fill&& fill) const;
 
   std::size_t block_size_;  ///< of the loops over vertices
   Buffer<Index> order_;
@@ -69,9 +71,10 @@ class ValenceOrder {
 /// nothing.
 inline std::uint32_t doubled(Index index) { return 2 * index; }
 template <class Item>
-const Item& at_doubled(const Item* items, std::uint32_t index) {
+Item& at_doubled(Item* items, std::uint32_t index) {
   static_assert(sizeof(Item) == 16);
-  return *reinterpret_cast<const Item*>(reinterpret_cast<const char*>(items) + std::size_t{8} * index);
+  using Byte = std::conditional_t<std::is_const_v<Item>, const char, char>;
+  return *reinterpret_cast<Item*>(reinterpret_cast<Byte*>(items) + std::size_t{8} * index);
 }
 
 /// From so many vertices on, whose positions leave the caches between two iterations, fetch_ahead() pays.
