@@ -1,6 +1,9 @@
 // Every method against its slow twin in tests/support/oracle.cpp.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "core/smooth/adaptive.h"
 #include "core/smooth/laplacian.h"
 #include "core/smooth/mean_curvature_flow.h"
@@ -76,6 +79,37 @@ TEST_P(Oracle, AgreesWithAdaptiveInEveryVariant) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Iterations, Oracle, ::testing::Values(1, 20));
+
+/// Two pyramids with their bases together: apexes of this valence.
+Shape double_pyramid(Index valence) {
+  Shape shape{{{0, 0, 1}, {0, 0, -1}}, {}};
+  for (Index i = 0; i < valence; ++i) {
+    const double angle = 2 * std::numbers::pi * i / valence;
+    shape.positions.push_back({std::cos(angle), std::sin(angle), 0});
+    const Index a = 2 + i, b = 2 + (i + 1) % valence;
+    shape.triangles.push_back({0, a, b});
+    shape.triangles.push_back({1, b, a});
+  }
+  return with_noise(shape, 0.1);
+}
+
+TEST(Oracle, AgreesWithAdaptiveAtAnyValenceHoweverTrianglesAreTurned) {
+  const auto adaptive = [](Surface& s, const IterationOptions& o) { return smooth_adaptive(s, {}, o, {}); };
+  for (Index valence = 3; valence <= 14; ++valence) {
+    const Shape shape = double_pyramid(valence);
+    Shape turned = shape, open = shape;
+    for (std::size_t t = 0; t < turned.triangles.size(); t += 3)
+      std::swap(turned.triangles[t][0], turned.triangles[t][1]);
+    open.triangles.pop_back();  // beyond which nothing lies
+    const Shape expected = oracle_adaptive(shape, {}, 3);
+    EXPECT_GT(deviation(shape, shape, expected), 0.01) << valence;
+    EXPECT_LT(deviation(shape, smoothed(shape, adaptive, {.iterations = 3}), expected), 1e-5) << valence;
+    EXPECT_LT(deviation(shape, smoothed(turned, adaptive, {.iterations = 3}), expected), 1e-5) << valence;
+    EXPECT_LT(deviation(open, smoothed(open, adaptive, {.iterations = 3}), oracle_adaptive(open, {}, 3)),
+              1e-5)
+        << valence;
+  }
+}
 
 /// What is fetched ahead lies beyond the end of the last blocks.
 TEST(Oracle, AgreesWithWhatIsFetchedAheadOnLargeMeshes) {
