@@ -20,8 +20,8 @@ using Row = SimdVec3::Lanes;  // four floats
 /// Below this share of the summed areas the weighted normals cancel out, and their sum is only rounding.
 constexpr float kVanishing = 1e-6F;
 
-/// With the choices that the kernels are made for, the vertices of one valence go there, and no array of
-/// triangles is needed; any other choice first fills arrays of all of them, one at a time.
+/// With the normals and offsets that the kernels are made for, the vertices of one valence go there, and no
+/// array of triangles is needed; any other choice first fills arrays of all of them, one at a time.
 class Adaptive {
  public:
   Adaptive(const Surface& surface, const AdaptiveParams& params, std::span<const std::uint8_t> movable,
@@ -32,9 +32,9 @@ class Adaptive {
         run_(run),
         plain_(params.normals == AdaptiveParams::Normals::Raw &&
                params.neighbourhood == AdaptiveParams::Neighbourhood::Edges &&
-               params.offsets == AdaptiveParams::Offsets::Uniform &&
-               params.umbrella == AdaptiveParams::Umbrella::Uniform &&
-               params.coefficient == AdaptiveParams::Coefficient::Exponential),
+               params.offsets == AdaptiveParams::Offsets::Uniform),
+        own_coefficient_(params.umbrella != AdaptiveParams::Umbrella::Uniform ||
+                         params.coefficient != AdaptiveParams::Coefficient::Exponential),
         order_(plain_ ? ValenceOrder(surface.mesh.triangles, topology_, movable, run)
                       : ValenceOrder(topology_, movable, run)) {
     const double scale = params.scale > 0 ? params.scale / surface.mesh.frame.scale() : surface.mean_edge;
@@ -59,7 +59,10 @@ class Adaptive {
     }
     order_.for_each_group(begin, [&](const ValenceOrder::Group& group) {
       if (plain_ && group.valence != ValenceOrder::kOther) {
-        kernel_.move(group, static_cast<float>(per_squared_scale_), from, to);
+        kernel_.move(group, own_coefficient_, static_cast<float>(per_squared_scale_), from, to);
+        if (!own_coefficient_) return;
+        for (const Index v : group.vertices)
+          to[v] = from[v] + to[v] * static_cast<float>(coefficient(from, v));
         return;
       }
       for (const Index v : group.vertices) to[v] = moved(from, v);
@@ -162,7 +165,8 @@ class Adaptive {
   const AdaptiveParams& params_;
   const RunControl& run_;
   const adaptive_kernels::Kernel& kernel_ = adaptive_kernels::kernel();
-  bool plain_;  ///< the kernels are made for the parameters
+  bool plain_;            ///< the kernels are made for the normals and offsets
+  bool own_coefficient_;  ///< but not for d
   ValenceOrder order_;
   std::optional<FacesAround> around_;  ///< when Eq. 1 averages over them
   Buffer<Row> area_normals_, planes_;  ///< of every triangle, unless it is plain

@@ -155,7 +155,7 @@ BURNISH_INLINE void area_normal(const F& ax, const F& ay, const F& az, const F& 
 /// As many vertices as there are lanes; their rings one vertex after the other.
 template <class F, std::size_t kValence>
 BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, const std::uint32_t* beyond,
-                              float per_squared_scale, const SimdVec3* from, SimdVec3* to) {
+                              bool only_offset, float per_squared_scale, const SimdVec3* from, SimdVec3* to) {
   constexpr float kShare = 1.0F / kValence;
   std::uint32_t places[kLanesOf<F>];
   for (std::size_t k = 0; k < kLanesOf<F>; ++k) places[k] = doubled(vertices[k]);
@@ -204,10 +204,15 @@ BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, 
   for (std::size_t i = 0; i + 1 < kValence; ++i) add_offset(i, spokes[i + 2]);
   add_offset(kValence - 1, spokes[1]);
 
-  ux *= kShare, uy *= kShare, uz *= kShare;
-  F d = (ux * ux + uy * uy + uz * uz) * per_squared_scale;
-  d = d < kLogOfMost ? d : F{} + kLogOfMost;
-  exponential(d);
+  F d = F{} + 1.0F;
+  if (only_offset) {
+    p.x = p.y = p.z = F{};
+  } else {
+    ux *= kShare, uy *= kShare, uz *= kShare;
+    d = (ux * ux + uy * uy + uz * uz) * per_squared_scale;
+    d = d < kLogOfMost ? d : F{} + kLogOfMost;
+    exponential(d);
+  }
   d *= kShare * (1.0F / 3.0F);
   p.x += vx * d, p.y += vy * d, p.z += vz * d;
   scatter(p, [&](std::size_t k, const F4& row) { at_doubled(to, places[k]) = SimdVec3(row); });
@@ -215,18 +220,18 @@ BURNISH_INLINE void move_some(const Index* vertices, const std::uint32_t* ring, 
 
 template <class F, std::size_t kValence>
 BURNISH_INLINE void move_group(const Index* vertices, std::size_t count, const std::uint32_t* neighbours,
-                               const std::uint32_t* beyond, float per_squared_scale, const SimdVec3* from,
-                               SimdVec3* to) {
+                               const std::uint32_t* beyond, bool only_offset, float per_squared_scale,
+                               const SimdVec3* from, SimdVec3* to) {
   constexpr std::size_t kLanes = kLanesOf<F>;
   for (; count >= kLanes; count -= kLanes, vertices += kLanes) {
-    move_some<F, kValence>(vertices, neighbours, beyond, per_squared_scale, from, to);
+    move_some<F, kValence>(vertices, neighbours, beyond, only_offset, per_squared_scale, from, to);
     neighbours += kLanes * kValence, beyond += kLanes * kValence;
   }
   if (count == 0) return;
   if constexpr (kLanes > 4) {
     if (count <= kLanes / 2) {  // lanes that do the same twice cost as much
-      move_group<Floats<kLanes / 2>, kValence>(vertices, count, neighbours, beyond, per_squared_scale, from,
-                                               to);
+      move_group<Floats<kLanes / 2>, kValence>(vertices, count, neighbours, beyond, only_offset,
+                                               per_squared_scale, from, to);
       return;
     }
   }
@@ -238,16 +243,16 @@ BURNISH_INLINE void move_group(const Index* vertices, std::size_t count, const s
     std::copy_n(neighbours + at * kValence, kValence, last_neighbours + k * kValence);
     std::copy_n(beyond + at * kValence, kValence, last_beyond + k * kValence);
   }
-  move_some<F, kValence>(last, last_neighbours, last_beyond, per_squared_scale, from, to);
+  move_some<F, kValence>(last, last_neighbours, last_beyond, only_offset, per_squared_scale, from, to);
 }
 
 template <class F>
-BURNISH_INLINE void move(const ValenceOrder::Group& group, float per_squared_scale, const SimdVec3* from,
-                         SimdVec3* to) {
+BURNISH_INLINE void move(const ValenceOrder::Group& group, bool only_offset, float per_squared_scale,
+                         const SimdVec3* from, SimdVec3* to) {
 #define BURNISH_VALENCE(k)                                                                         \
   case k:                                                                                          \
     return move_group<F, k>(group.vertices.data(), group.vertices.size(), group.neighbours.data(), \
-                            group.beyond.data(), per_squared_scale, from, to);
+                            group.beyond.data(), only_offset, per_squared_scale, from, to);
   switch (group.valence) {
     BURNISH_VALENCE(3)
     BURNISH_VALENCE(4)
@@ -263,20 +268,21 @@ BURNISH_INLINE void move(const ValenceOrder::Group& group, float per_squared_sca
 #undef BURNISH_VALENCE
 }
 
-void move_128(const ValenceOrder::Group& group, float per_squared_scale, std::span<const SimdVec3> from,
-              std::span<SimdVec3> to) {
-  move<F4>(group, per_squared_scale, from.data(), to.data());
+void move_128(const ValenceOrder::Group& group, bool only_offset, float per_squared_scale,
+              std::span<const SimdVec3> from, std::span<SimdVec3> to) {
+  move<F4>(group, only_offset, per_squared_scale, from.data(), to.data());
 }
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void move_256(const ValenceOrder::Group& group, float per_squared_scale,
-                                      std::span<const SimdVec3> from, std::span<SimdVec3> to) {
-  move<F8>(group, per_squared_scale, from.data(), to.data());
+[[gnu::target("avx2")]] void move_256(const ValenceOrder::Group& group, bool only_offset,
+                                      float per_squared_scale, std::span<const SimdVec3> from,
+                                      std::span<SimdVec3> to) {
+  move<F8>(group, only_offset, per_squared_scale, from.data(), to.data());
 }
-[[gnu::target("avx512f,avx512dq,avx512vl")]] void move_512(const ValenceOrder::Group& group,
+[[gnu::target("avx512f,avx512dq,avx512vl")]] void move_512(const ValenceOrder::Group& group, bool only_offset,
                                                            float per_squared_scale,
                                                            std::span<const SimdVec3> from,
                                                            std::span<SimdVec3> to) {
-  move<F16>(group, per_squared_scale, from.data(), to.data());
+  move<F16>(group, only_offset, per_squared_scale, from.data(), to.data());
 }
 #endif
 

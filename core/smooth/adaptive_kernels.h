@@ -14,9 +14,10 @@ struct Kernel {
   int bits;  ///< of its vectors
   /// v' = v + d V, Eq. 1 as printed over the sides, 2, 3, 4, 6 and 8 with equal weights, for a group of one
   /// valence, with rings. Where the neighbours of a triangle cancel out or have no area, it offsets nothing,
-  /// as its own plane would: its corners lie in that.
-  void (*move)(const ValenceOrder::Group& group, float per_squared_scale, std::span<const SimdVec3> from,
-               std::span<SimdVec3> to);
+  /// as its own plane would: its corners lie in that. With `only_offset` writes V alone, for who has another
+  /// d.
+  void (*move)(const ValenceOrder::Group& group, bool only_offset, float per_squared_scale,
+               std::span<const SimdVec3> from, std::span<SimdVec3> to);
 };
 
 /// The widest of this processor.
